@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 help:
 	@echo "make demo   the two-blade case: solve it and write demo/report.html"
 	@echo "make check  linters, type check and the quick tests: less than a minute after the first time"
-	@echo "make test   linters, type check and all tests, with their coverage"
+	@echo "make test   linters, type check and the tests, with their coverage; STICKSLIP_REQUIRE_TOOLS=1 adds the longest"
 	@echo "make docs   the documentation as a web site, build/site/index.html (some minutes; solves the examples)"
 	@echo "make lint   linters and type check only"
 	@echo "make bench  curves beside a dense Newton and pyHarm (installs the extra [bench]; some minutes)"
@@ -46,10 +46,13 @@ ONE_MORE = $$($(BIN)/python -c 'import os; print(1 + (os.cpu_count() or 1))')
 check: lint
 	$(PYTEST) -m "not slow"
 
+# Continuous integration runs the longest tests too: processes that die, whole studies, benchmarks.
+CHOSEN = $(if $(STICKSLIP_REQUIRE_TOOLS),,-m "not long")
+
 # The linters take one core, and only for seconds, so they run beside the tests.
 test: $(INSTALLED)
 	@$(MAKE) --no-print-directory lint & linters=$$!; \
-	$(PYTEST) --numprocesses $(ONE_MORE) --cov --cov-report=term; tests=$$?; \
+	$(PYTEST) $(CHOSEN) --numprocesses $(ONE_MORE) --cov --cov-report=term; tests=$$?; \
 	wait $$linters && exit $$tests
 
 # The site asks no server for anything: neither while it is built nor in the browser.

@@ -22,7 +22,7 @@ import numpy as np
 from torture_problems import make
 
 import stickslip as ss
-from stickslip.case.case import Case
+from rough_casting import rough_casting
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import build_model
@@ -63,7 +63,7 @@ class Subject:
     def named(cls, name: str) -> Subject:
         """The default case, or a problem ``kind:seed`` of the torture set with 128 samples."""
         if name == TWO_BLADE:
-            case = Case()
+            case = rough_casting()
             model, solver = build_model(case), case.solver
             window = solver.frequency_start, solver.frequency_stop
             ratio, output = case.damping.modal_damping_ratio, next(iter(model.outputs.values()))

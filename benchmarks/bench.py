@@ -27,6 +27,7 @@ from blade_problem import BladeProblem, FloatArray, load_blade_problem
 from dense_newton import DenseBalance
 from threadpoolctl import threadpool_limits
 
+from rough_casting import rough_casting
 from stickslip import __version__
 from stickslip.case.case import Case
 from stickslip.contact.law.contact_pairs import ContactPairs
@@ -167,7 +168,7 @@ def two_blade_row(model: Model, case: Case, name: str) -> list[str]:
 def two_blade_rows() -> list[list[str]]:
     """The default case, 5 harmonics and 256 samples, at a load where all pairs slip and at one where few do."""
     rows = []
-    case = Case()
+    case = rough_casting()
     structure = build_structure(case)
     joint = build_joint(case, structure)
     for name, newton in (("all slip", SLIPPING_NEWTON), ("few slip", STICKING_NEWTON)):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.case.case import Case
+from rough_casting import rough_casting
 from stickslip.model.model import Model, build_joint, build_model, build_structure
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
@@ -37,7 +37,7 @@ class Problem:
     """The default two-blade model under one centrifugal force; models of each number of modes are built once."""
 
     def __init__(self, newton: float) -> None:
-        self.case = Case().replace({"preload.centrifugal_force": newton})
+        self.case = rough_casting().replace({"preload.centrifugal_force": newton})
         self._structure = build_structure(self.case)
         self._joint = build_joint(self.case, self._structure)
         self._models: dict[int, Model] = {}

@@ -14,6 +14,7 @@ import time
 
 import numpy as np
 
+from rough_casting import rough_casting
 from stickslip.case.case import Case
 from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.study.analyses import solve
@@ -25,7 +26,7 @@ ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32)}
 def case_with(n_pairs: int) -> Case:
     """The default case with 3 harmonics, 128 samples, and as many nodes on the faces; the shanks stay coarse."""
     columns, chordwise = ELEMENTS[n_pairs]
-    return Case().replace(
+    return rough_casting().replace(
         {
             "mesh.contact_columns": columns,
             "mesh.chordwise": chordwise,

@@ -10,7 +10,7 @@ import time
 
 from both_factors import with_each_factor
 
-from stickslip.case.case import Case
+from rough_casting import rough_casting
 from stickslip.model.model import build_joint, build_structure
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend, factor_forecast
@@ -28,7 +28,7 @@ FINE = {
 
 def measure(backend: Backend, threads: int = 2) -> dict[str, float | str]:
     """Unknowns, seconds and peak memory of the reduction."""
-    case = Case().replace(FINE)
+    case = rough_casting().replace(FINE)
     structure = build_structure(case)
     joint = build_joint(case, structure)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6

@@ -21,6 +21,7 @@ from blade_problem import load_blade_problem
 from threadpoolctl import threadpool_limits
 
 import stickslip as ss
+from rough_casting import rough_casting
 from stickslip.core.progress import SilentProgress
 from stickslip.study.analyses import solve
 from stickslip.study.performance_curve import with_performance_curve
@@ -41,7 +42,7 @@ class Row:
 
 def case_row(key: str, limits: tuple[float, float], changes: dict[str, object]) -> Row:
     """A row of the default two-blade study with other values of some keys."""
-    case = ss.TwoBladeCase().replace(changes)
+    case = rough_casting().replace(changes)
 
     def curve(value: float, step: float | None) -> tuple[float, int]:
         changed = case.replace({key: value if key != "roughness.fractal_roughness" else f"{value!r} m"})
@@ -110,7 +111,7 @@ ROWS = (
 
 def performance() -> None:
     """Print the process time of the performance curve of the default study over that of its frequency curve."""
-    case = ss.TwoBladeCase()
+    case = rough_casting()
     seconds = []
     for with_curve in (False, False, True):  # the first compiles
         chosen = case.replace({"analysis.performance_curve": with_curve})

@@ -13,6 +13,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from rough_casting import rough_casting
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
@@ -59,7 +60,7 @@ def case_of(force: int, variant: str) -> Case:
     preload: dict[str, object] = {"preload.centrifugal_force": f"{force} N"}
     if variant != "uniform":
         preload |= {"preload.method": "solved", "preload.residual_traction": variant}
-    return Case().replace(BASE | preload)
+    return rough_casting().replace(BASE | preload)
 
 
 def computed() -> list[Row]:

@@ -11,6 +11,7 @@ from typing import Any
 from blade_problem import load_blade_problem
 
 import stickslip as ss
+from rough_casting import rough_casting
 from stickslip.solve import curve_result
 
 
@@ -45,7 +46,7 @@ def blade(contacts: int) -> dict[str, Any]:
 
 def two_blades() -> dict[str, Any]:
     """Arguments for the curve of the default two-blade case."""
-    case = ss.TwoBladeCase()
+    case = rough_casting()
     model, solver = ss.build_model(case), case.solver
     return {
         "superelement": model.superelement,

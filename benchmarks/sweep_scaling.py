@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
-from stickslip.case.case import Case
+from rough_casting import rough_casting
 
 CASES = 40
 
@@ -22,7 +22,7 @@ def seconds(workers: int, values: list[float]) -> float:
     """Time of the whole sweep into an empty folder, page and tables included."""
     with tempfile.TemporaryDirectory() as folder:
         begin = time.perf_counter()
-        sweep = ss.sweep(Case(), {"preload.centrifugal_force": values}, out=Path(folder), workers=workers)
+        sweep = ss.sweep(rough_casting(), {"preload.centrifugal_force": values}, out=Path(folder), workers=workers)
         spent = time.perf_counter() - begin
     failed = sum(not row.converged for row in sweep.table.rows)
     print(f"{workers} process(es): {spent:.1f} s, {spent / len(values):.2f} s a case, {failed} of {len(values)} failed")

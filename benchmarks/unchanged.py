@@ -20,6 +20,7 @@ import numpy as np
 from blade_problem import load_blade_problem
 
 import stickslip as ss
+from rough_casting import rough_casting
 
 ALLOWED = 1e-9
 ARRAYS = ("frequency_hz", "displacement", "dissipated_energy", "normal_work", "input_energy", "viscous_energy")
@@ -60,13 +61,13 @@ def quiet(case: ss.Case) -> ss.Case:
 
 
 CURVES: dict[str, Callable[[], ss.ForcedResponse]] = {
-    "two_blades": lambda: study(quiet(ss.Case())),
+    "two_blades": lambda: study(quiet(rough_casting())),
     "blade_10": lambda: blade(10),
     "blade_40": lambda: blade(40),
     "blade_110": lambda: blade(110),
     "own_mesh": lambda: study(quiet(ss.load_case(ROOT / "examples" / "own_mesh" / "study.toml"))),
     "solved_preload": lambda: study(
-        quiet(ss.Case().replace({"preload.method": "solved", "preload.residual_traction": "kept"}))
+        quiet(rough_casting().replace({"preload.method": "solved", "preload.residual_traction": "kept"}))
     ),
 }
 

@@ -1,4 +1,4 @@
-"""Solve the default study and create the pictures of its report for docs/reading_the_report.md.
+"""Solve the study of "stickslip new" and create the pictures of its report for docs/reading_the_report.md.
 
 python docs/make_report_pictures.py       (requires playwright with Chromium; takes half a minute)
 """
@@ -10,6 +10,7 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 import stickslip as ss
+from stickslip.case.examples import EXAMPLES
 from stickslip.study import run as study
 
 IMAGES = Path(__file__).parent / "images"
@@ -25,7 +26,7 @@ SECTIONS = {
 def main(program: str | None = None) -> None:
     """Write the pictures. ``program`` is a browser; the default is the browser of playwright."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        study.run(ss.Case(), folder)
+        study.run(ss.Case.from_mapping(EXAMPLES["two-blade"]), folder)
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])
         page = browser.new_page(viewport={"width": 900, "height": 900})
         page.goto((Path(folder) / "report.html").as_uri())

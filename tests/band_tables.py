@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stickslip.results.band import limit_of
+from stickslip.results.band import TractionRange, limit_of
 from stickslip.results.band_statistics import BandStatistics
 from stickslip.results.influence import Coordinate
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
@@ -31,7 +31,10 @@ def band_table(peaks: Sequence[float | None], at_end: tuple[int, ...] = ()) -> S
 
 
 def band_statistics(
-    peaks: Sequence[float | None], limits: Sequence[str] = (), at_end: tuple[int, ...] = ()
+    peaks: Sequence[float | None],
+    limits: Sequence[str] = (),
+    at_end: tuple[int, ...] = (),
+    tractions: TractionRange | str | None = None,
 ) -> BandStatistics:
     """Their statistics, with curves of one resonance at 460 Hz."""
     table = band_table(peaks, at_end)
@@ -46,4 +49,4 @@ def band_statistics(
     forces = np.array(table.keys[0].shown)
     middle, half = 0.5 * (forces.max() + forces.min()), 0.5 * np.ptp(forces) or 1.0
     coordinate = Coordinate("excitation.amplitude", (forces - middle) / half, nodes, 0.5 * weights)
-    return BandStatistics.of(table, curves, [FORCE_TEXT], [coordinate], [limit_of(text) for text in limits])
+    return BandStatistics.of(table, curves, [FORCE_TEXT], [coordinate], [limit_of(text) for text in limits], tractions)

@@ -44,10 +44,12 @@ UNTRACED = (
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Slow tests of :data:`UNTRACED` run without the tracer; files with many slow tests run first, so that the
-    processes of the tests end together."""
+    """Long tests are slow ones too; slow tests of :data:`UNTRACED` run without the tracer; files with many slow tests
+    run first, so that the processes of the tests end together."""
     slow: Counter[Path] = Counter()
     for item in items:
+        if item.get_closest_marker("long"):
+            item.add_marker("slow")
         if item.get_closest_marker("slow"):
             slow[item.path] += 1
             if item.path.is_relative_to(TESTS):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from band_tables import band_statistics
+from design_tables import design_result
 from sketches import shaken, stacked_boxes
 from stickslip.papers.rough_damper.compute import Failure
 from stickslip.papers.rough_damper.items import Item, Picture
@@ -17,10 +18,12 @@ from stickslip.papers.rough_damper.plan import Setting
 from stickslip.papers.rough_damper.tables import Column, Table
 from stickslip.papers.rough_damper.verdicts import Judgement, Verdict
 from stickslip.reporting.band_page import write_band_page
+from stickslip.reporting.design_page import write_design_page
 from stickslip.reporting.page import write_page
 from stickslip.reporting.sweep_page import write_sweep_page
 from stickslip.reporting.sweep_view import SweepView
 from stickslip.results.band_statistics import BandStatistics
+from stickslip.results.design import DesignResult
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sweep_table import SweptKey
@@ -143,6 +146,32 @@ def hostile_band() -> tuple[BandStatistics, str, str, dict[str, str]]:
 BAND_FIELDS = _fields("title inputs software version key-0 text form range row-message row-warning")
 
 
+def hostile_design() -> tuple[DesignResult, str, str, dict[str, str]]:
+    """Result, title, inputs and provenance of a design whose every text is hostile."""
+    result = design_result()
+    key = dataclasses.replace(result.keys[0], name=f"forces.{hostile('key-0')}.amplitude")
+    evaluations = []
+    for each in result.evaluations:
+        failure = hostile("failure") if each.failure else ""
+        cases = [
+            dataclasses.replace(case, name=hostile("case"), failure=failure, messages=(hostile("case-message"),))
+            for case in each.cases
+        ]
+        evaluations.append(dataclasses.replace(each, cases=tuple(cases)))
+    result = dataclasses.replace(
+        result,
+        keys=(key,),
+        load_cases=(hostile("load-0"), hostile("load-1")),
+        evaluations=tuple(evaluations),
+        starts=tuple(dataclasses.replace(each, message=hostile("end")) for each in result.starts),
+        remarks=(hostile("remark"),),
+    )
+    return result, hostile("title"), hostile("inputs"), {"date": "2026", hostile("software"): hostile("version")}
+
+
+DESIGN_FIELDS = _fields("title inputs software version key-0 load-0 load-1 failure case case-message end remark")
+
+
 def _labels(name: str) -> tuple[str, str]:
     return hostile(f"{name}-0"), hostile(f"{name}-1")
 
@@ -199,11 +228,18 @@ def one_pixel() -> bytes:
 
 
 def write_hostile_pages(folder: Path) -> dict[str, tuple[str, ...]]:
-    """Write the pages report, sweep, band and paper; returns the name of each and the fields that must be read in
-    it."""
+    """Write the pages report, sweep, band, design and paper; returns the name of each and the fields that must be read
+    in it."""
     write_page(folder / "report.html", hostile_response(), hostile_study())
     write_sweep_page(folder / "sweep.html", *hostile_sweep())
     write_band_page(folder / "band.html", *hostile_band())
+    write_design_page(folder / "design.html", *hostile_design())
     (folder / "sides.png").write_bytes(one_pixel())
     write_paper_page(folder / "paper.html", **hostile_paper_page(folder / "sides.png"))
-    return {"report": STUDY_FIELDS, "sweep": SWEEP_FIELDS, "band": BAND_FIELDS, "paper": PAPER_FIELDS}
+    return {
+        "report": STUDY_FIELDS,
+        "sweep": SWEEP_FIELDS,
+        "band": BAND_FIELDS,
+        "design": DESIGN_FIELDS,
+        "paper": PAPER_FIELDS,
+    }

@@ -7,13 +7,20 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from rough_casting import ROUGH_CASTING
 from stickslip.case.case import Case
 from stickslip.case.load import load_case
 from stickslip.formats.matrices.exchange import write_superelement
 from stickslip.model.model import build_model, load_joint, set_up
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "own_mesh"
-QUICK = {"solver.harmonics": 1, "solver.samples": 64, "output.figure_formats": []}
+# Numbers of the tests are those of rough castings.
+QUICK = {
+    **{key: value for key, value in ROUGH_CASTING.items() if key.startswith(("roughness.", "analysis."))},
+    "solver.harmonics": 1,
+    "solver.samples": 64,
+    "output.figure_formats": [],
+}
 # A window in which nothing slips, for tests of what comes before or after the curve.
 BELOW_THE_PEAK = {"solver.frequency_stop": "1700 Hz"}
 

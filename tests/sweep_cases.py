@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from rough_casting import ROUGH_CASTING
 from stickslip.case.case import Case
 
 COARSE_MESH = {
@@ -18,6 +19,7 @@ COARSE_MESH = {
     "mesh.damper_flank_rows": 1,
 }
 QUICK = {
+    **ROUGH_CASTING,
     **COARSE_MESH,
     "reduction.modes": 8,
     "geometry.excitation_height": "9 mm",

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from stickslip.model.kinds.two_blade_mesh import BladePairElements
@@ -75,3 +76,38 @@ def test_verdicts_on_stability_agree_with_time_integration(monkeypatch: pytest.M
         checked = stability_check.check(problem, points)
         assert [each.stable for each in checked] == [True, False]
         assert [each for each in checked if each.contradicts] == []
+
+
+def test_bolts_press_with_their_force_and_asperities_share_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """benchmarks/two_beam.py on a face of its own: each cone carries one bolt, the loads of a position are its load."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import two_beam
+
+    side = np.linspace(-0.05, 0.05, 101)
+    position = np.stack([*np.meshgrid(side, side), np.zeros((101, 101))], axis=-1).reshape(-1, 3)
+    area = np.full(len(position), 1e-6)
+    bolts = np.array([[-0.03, 0.0], [0.03, 0.0]])
+    pressure = two_beam.bolt_pressure(position, area, bolts, 0.012)
+    assert pressure @ area == pytest.approx(2.0 * two_beam.BOLT_FORCE_N)
+    assert pressure[np.linalg.norm(position[:, :2] - bolts[0], axis=1) > 0.012].max() == pytest.approx(
+        pressure.max(), rel=1e-9
+    )
+    loads = two_beam.exponential_loads(8)
+    assert loads.mean() == pytest.approx(1.0)
+    assert (np.diff(loads) > 0.0).all()
+    assert two_beam.exponential_loads(2) == pytest.approx([1.0 - np.log(2.0), 1.0 + np.log(2.0)])
+
+
+def test_the_force_of_an_iwan_joint_at_phase_resonance_is_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """F = a (2 zeta m + 2 R a / (3 pi w^4)): the loop of chi = 0 against the controlled response of half_brb.py."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import half_brb
+
+    mode = half_brb.Mode(mass=2.0, frequency_hz=80.0, damping_ratio=1e-3, coefficient=5e7)
+    acceleration = 40.0
+    force, frequency = mode.response(acceleration)
+    omega, stuck = 2.0 * np.pi * frequency, 2.0 * np.pi * 80.0
+    closed = acceleration * (4e-3 * stuck / omega + 1e8 * acceleration / (3.0 * np.pi * omega**4))
+    assert force == pytest.approx(closed, rel=4e-3)  # least force, not exactly at 90 degrees
+    lowered = 0.5 * 5e7 * acceleration / omega**2 / 2.0  # R X / 2 over the mass
+    assert 80.0 - frequency == pytest.approx(80.0 - np.sqrt(stuck**2 - lowered) / (2.0 * np.pi), rel=0.02)

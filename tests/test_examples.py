@@ -198,6 +198,23 @@ def test_guide_to_bands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys:
         assert option in options
 
 
+@pytest.mark.slow
+def test_guide_to_designs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The script of docs/design.md on a coarse mesh; the options of its command."""
+    guide = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    quick_file(tmp_path)
+    script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
+    exec(compile(script, "design.md", "exec"), {"__name__": "__main__"})
+    assert re.search(r"^\d+ N: peak [\d.]+ um$", capsys.readouterr().out, flags=re.MULTILINE)
+    assert (tmp_path / "best" / "optimum.toml").is_file()
+    options = CliRunner().invoke(app, ["design", "--help"]).output
+    for option in set(
+        re.findall(r"--(?:over|minimise|subject-to|worst-of|samples|starts|out|workers|scheduler)", guide)
+    ):
+        assert option in options
+
+
 def test_guide_to_matrices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     guide = (ROOT / "docs" / "matrices.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -206,6 +223,14 @@ def test_guide_to_matrices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caps
     printed = capsys.readouterr().out
     assert "108 unknowns reduced to 37 with 9 boundary nodes" in printed
     assert printed.count("the file contains only the lower triangle") == 2
+
+
+def test_guide_to_loops(capsys: pytest.CaptureFixture[str]) -> None:
+    guide = (ROOT / "docs" / "loops.md").read_text(encoding="utf-8")
+    script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
+    exec(compile(script, "loops.md", "exec"), {"__name__": "__main__"})
+    printed = capsys.readouterr().out
+    assert printed == re.findall(r"```text\n(.*?)```", guide, flags=re.DOTALL)[0]
 
 
 def test_make_targets_of_the_readme_exist() -> None:

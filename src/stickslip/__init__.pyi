@@ -16,6 +16,8 @@ from .contact.law.iwan import IwanJoint as IwanJoint
 from .contact.law.jenkins import JenkinsElement as JenkinsElement
 from .contact.law.law import ContactLaw as ContactLaw
 from .contact.law.law import ContactState as ContactState
+from .contact.law.loop_fit import LoopFit as LoopFit
+from .contact.law.loop_fit import fit_loops as fit_loops
 from .contact.law.normal_law import PressureGapLaw as PressureGapLaw
 from .contact.law.registry import register_contact_law as register_contact_law
 from .contact.pairing.pairing import pair_faces as pair_faces
@@ -102,6 +104,7 @@ from .study.run import report as report
 from .study.run import run as run
 from .study.solution import solve_case as solve_case
 from .sweeps.band import band as band
+from .sweeps.design import design as design
 from .sweeps.run import sweep as sweep
 
 __all__: list[str]

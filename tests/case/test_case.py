@@ -71,9 +71,9 @@ def test_loaded_values_are_si_floats(tmp_path: Path) -> None:
     assert case.material.young_modulus == 197e9
     assert case.material.density == 7800.0
     assert case.roughness is not None
-    assert case.roughness.fractal_roughness == 1e-8
+    assert case.roughness.sq == 1e-6
     assert case.preload.centrifugal_force == 500.0
-    assert case.solver.frequency_stop == 530.0
+    assert case.solver.frequency_stop == 550.0
 
 
 def test_default_geometry_and_mesh_are_those_of_the_structure() -> None:

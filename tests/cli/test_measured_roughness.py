@@ -15,8 +15,7 @@ from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.cli.main import app
 from stickslip.contact.stiffness import roughness_fit
-from stickslip.contact.stiffness.face_stiffness import contact_stiffness
-from stickslip.contact.stiffness.fractal import ContactStatus
+from stickslip.contact.stiffness.fractal import ContactStatus, fractal_contact
 from stickslip.model.rough_face import case_material, case_roughness
 
 PROFILE = Path(__file__).parents[2] / "examples" / "data" / "profile.csv"
@@ -121,11 +120,11 @@ def test_the_load_that_is_reported_parts_plastic_from_elastic_contact(hardness: 
     case = Case.from_text(section)
     roughness = case_roughness(case, *[case_material(case)] * 2)
     least = float(re.search(r"a load below (\S+) N", sentence).group(1))
-    assert contact_stiffness(roughness, 0.99 * least).status is ContactStatus.FULLY_PLASTIC
-    assert contact_stiffness(roughness, 0.99 * least).normal == 0.0
-    assert contact_stiffness(roughness, 1.01 * least).normal > 0.0
+    assert fractal_contact(roughness, 0.99 * least).status is ContactStatus.FULLY_PLASTIC
+    assert fractal_contact(roughness, 0.99 * least).normal == 0.0
+    assert fractal_contact(roughness, 1.01 * least).normal > 0.0
     area = float(re.search(r"critical area (\S+) m2", sentence).group(1))
-    assert area == pytest.approx(contact_stiffness(roughness, least).critical_area, rel=5e-3)
+    assert area == pytest.approx(fractal_contact(roughness, least).critical_area, rel=5e-3)
 
 
 @pytest.mark.slow

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rough_casting import casting_case
 from sentences import rejects
 from stickslip.case.case import Case
-from stickslip.contact.stiffness.face_stiffness import contact_stiffness
+from stickslip.contact.stiffness.fractal import fractal_contact
 from stickslip.core.errors import InputError, RoughnessError
 from stickslip.model.model import Model, build_joint, build_model, build_structure
 from stickslip.model.rough_face import case_roughness
@@ -19,12 +20,12 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def structure() -> Structure:
-    return build_structure(Case())  # type: ignore[return-value]
+    return build_structure(casting_case())  # type: ignore[return-value]
 
 
 @pytest.fixture(scope="module")
 def model(structure: Structure) -> Model:
-    case = Case()
+    case = casting_case()
     return build_model(case, structure, build_joint(case, structure))
 
 
@@ -48,7 +49,7 @@ def test_a_study_file_with_the_earlier_name_of_a_mode_gives_the_same_springs(str
 
 def test_both_faces_carry_the_centrifugal_force(structure: Structure) -> None:
     """Equilibrium of the damper: the vertical parts of both normal forces add up to F_N."""
-    joint = build_joint(Case(), structure)
+    joint = build_joint(casting_case(), structure)
     upward = (joint.preload[:, None] * joint.face_pairs.normal).sum(axis=0)
     assert upward[2] == pytest.approx(500.0, rel=1e-12)
     assert abs(upward[0]) < 1e-9
@@ -56,8 +57,8 @@ def test_both_faces_carry_the_centrifugal_force(structure: Structure) -> None:
 
 
 def test_both_allocations_agree_under_uniform_pressure(structure: Structure) -> None:
-    by_area = build_joint(Case(), structure)
-    by_pressure = build_joint(Case().replace({"roughness.allocation": "pressure"}), structure)
+    by_area = build_joint(casting_case(), structure)
+    by_pressure = build_joint(casting_case().replace({"roughness.allocation": "pressure"}), structure)
     assert np.allclose(by_area.normal_stiffness, by_pressure.normal_stiffness, rtol=1e-9)
     assert np.allclose(by_area.tangential_stiffness, by_pressure.tangential_stiffness, rtol=1e-9)
 
@@ -75,14 +76,14 @@ def test_pairs_follow_one_law_of_a_reference_area(structure: Structure, referenc
     )
     area, (face, _) = joint.face_pairs.area, joint.rough_faces
     material = joint.layout.face_materials[0]
-    roughness = case_roughness(Case(), *material)
-    law = [contact_stiffness(roughness, load) for load in joint.preload / area * reference]
+    roughness = case_roughness(casting_case(), *material)
+    law = [fractal_contact(roughness, load) for load in joint.preload / area * reference]
     np.testing.assert_allclose(joint.normal_stiffness, [k.normal / reference for k in law] * area, rtol=1e-12)
     np.testing.assert_allclose(joint.tangential_stiffness, [k.tangential / reference for k in law] * area, rtol=1e-12)
     assert face is not None
     load = joint.face_sum(joint.preload)[0] / joint.face_sum(area)[0] * reference
-    assert face.stiffness.real_area == pytest.approx(contact_stiffness(roughness, load).real_area)
-    rows = {name: value for name, value, _, _ in derived_quantities(Case().replace(changes), joint)}
+    assert face.stiffness.real_area == pytest.approx(fractal_contact(roughness, load).real_area)
+    rows = {name: value for name, value, _, _ in derived_quantities(casting_case().replace(changes), joint)}
     assert rows["Reference area"] == pytest.approx(1e6 * reference)
     assert rows["Real over nominal area"] == pytest.approx(face.stiffness.real_area / reference)
 
@@ -98,7 +99,7 @@ def test_given_stiffness_is_spread_by_area(structure: Structure) -> None:
 
 
 def test_a_face_without_stiffness_is_rejected_with_advice(structure: Structure) -> None:
-    case = Case().replace({"roughness.fractal_dimension": 2.2})
+    case = casting_case().replace({"roughness.fractal_dimension": 2.2})
     with rejects(RoughnessError, "roughness", "preload.centrifugal_force"):
         build_joint(case, structure)
 
@@ -111,7 +112,7 @@ def test_wrong_number_of_preloads_is_rejected(structure: Structure) -> None:
 
 @pytest.mark.parametrize(("mode", "right"), [("single", 0.0), ("same", 300.0), ("opposite", -300.0)])
 def test_excitation_modes(structure: Structure, model: Model, mode: str, right: float) -> None:
-    case = Case().replace({"excitation.mode": mode})
+    case = casting_case().replace({"excitation.mode": mode})
     excitation = build_model(case, structure, model.joint).excitation
     force = excitation.on(model.superelement, 1).coefficients(0.0)[2]
     sets = structure.mesh.node_sets

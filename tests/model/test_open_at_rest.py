@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from own_cases import mesh_case
+from rough_casting import casting_case
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
@@ -63,7 +64,7 @@ def table_of(found: Model) -> tuple[ReductionRow, ...]:
 def two_blades(traction: str) -> Model:
     """Faces whose nodes match, with some pairs open at rest."""
     changes = {"preload.method": "solved", "preload.residual_traction": traction}
-    return built(Case().replace(COARSE_MESH | changes | {"roughness.fractal_roughness": "1e-10 m"}))
+    return built(casting_case().replace(COARSE_MESH | changes | {"roughness.fractal_roughness": "1e-10 m"}))
 
 
 @pytest.mark.slow

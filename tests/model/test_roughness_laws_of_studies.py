@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from rough_casting import casting_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import TwoBladeCase
 from stickslip.model.joint import Joint
@@ -17,7 +18,8 @@ SMOOTH: dict[str, object] = {"roughness.fractal_roughness": "1e-12 m"}
 
 
 def joint_of(changes: dict[str, object]) -> tuple[TwoBladeCase, Joint]:
-    case = TwoBladeCase().replace(changes)
+    case = casting_case().replace(changes)
+    assert isinstance(case, TwoBladeCase)
     return case, load_joint(case, set_up(case).layout)
 
 
@@ -31,10 +33,8 @@ def test_a_study_names_the_law_of_its_roughness(law: str) -> None:
     assert joint.face_sum(joint.tangential_stiffness)[0] == pytest.approx(wanted.tangential, rel=1e-9)
 
 
-def test_the_default_remains_the_fractal_law_and_is_believable() -> None:
+def test_the_fractal_law_of_a_rough_casting_is_believable() -> None:
     case, joint = joint_of({})
-    assert case.roughness is not None
-    assert case.roughness.law == "fractal"
     assert joint.face_sum(joint.normal_stiffness)[0] == pytest.approx(7.856e7, rel=1e-3)
     face = joint.rough_faces[0]
     assert face is not None
@@ -82,7 +82,7 @@ def test_each_pair_at_its_own_pressure_and_form_that_the_mesh_has() -> None:
 )
 def test_keys_of_another_law_are_rejected(key: str, value: object, law: str) -> None:
     with rejects(ss.StudyFileError, f"roughness.{key}"):
-        TwoBladeCase().replace({"roughness.law": law, f"roughness.{key}": value})
+        casting_case().replace({"roughness.law": law, f"roughness.{key}": value})
 
 
 def test_sq_in_place_of_g() -> None:

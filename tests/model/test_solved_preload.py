@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rough_casting import casting_case
 from sentences import rejects
-from stickslip.case.case import Case
 from stickslip.contact.stiffness.asperities import fully_plastic_load
-from stickslip.contact.stiffness.face_stiffness import contact_stiffness
+from stickslip.contact.stiffness.fractal import fractal_contact
 from stickslip.core.errors import StudyFileError
 from stickslip.model.model import Model, build_model, load_joint, set_up
 from stickslip.model.rough_face import case_roughness
@@ -27,7 +27,7 @@ FACE_ANGLE = np.pi / 6
 @cache
 def model(**changes: str) -> Model:
     """The coarse two-blade model; keys of changes have two underscores for the point."""
-    case = Case().replace(SOLVED | {key.replace("__", "."): value for key, value in changes.items()})
+    case = casting_case().replace(SOLVED | {key.replace("__", "."): value for key, value in changes.items()})
     setup = set_up(case)
     return build_model(case, setup.assemble(), load_joint(case, setup.layout))
 
@@ -108,17 +108,17 @@ def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, r
         preload__normal_law=normal_law,
     ).joint
     pressure = joint.preload / joint.face_pairs.area
-    roughness = case_roughness(Case(), *joint.layout.face_materials[0])
+    roughness = case_roughness(casting_case(), *joint.layout.face_materials[0])
     followed = pressure > max(0.1 * pressure.max(), 2.0 * fully_plastic_load(roughness) / reference)
     assert followed.sum() >= 4
-    law = [contact_stiffness(roughness, load) for load in pressure[followed] * reference]
+    law = [fractal_contact(roughness, load) for load in pressure[followed] * reference]
     per_area = [
         values[followed] / joint.face_pairs.area[followed]
         for values in (joint.normal_stiffness, joint.tangential_stiffness)
     ]
     np.testing.assert_allclose(per_area[0], [k.normal / reference for k in law], rtol=5e-3)
     np.testing.assert_allclose(per_area[1], [k.tangential / reference for k in law], rtol=5e-3)
-    of_the_face = contact_stiffness(roughness, float(pressure.max()) * 182e-6)
+    of_the_face = fractal_contact(roughness, float(pressure.max()) * 182e-6)
     assert abs(of_the_face.normal / 182e-6 / per_area[0].max() - 1.0) > 0.05
 
 
@@ -126,7 +126,7 @@ def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, r
 def test_rotation_loads_the_damper_with_its_mass() -> None:
     actual = model(rotation__speed="3000 rpm", rotation__axis=(0, 1, 0), rotation__point=("0 m", "0 m", "-300 mm"))  # type: ignore[arg-type]
     assert actual.preload is not None
-    setup = set_up(Case().replace(SOLVED))
+    setup = set_up(casting_case().replace(SOLVED))
     mesh = actual.structure.mesh
     assert set(setup.layout.node_groups) >= {"damper_front_edge", "damper_back_edge"}
     damper = mesh.cells[mesh.body == 2]
@@ -161,12 +161,12 @@ def test_rotation_loads_the_damper_with_its_mass() -> None:
 )
 def test_what_does_not_fit_is_rejected_in_the_file(changes: dict[str, object], key: str) -> None:
     with rejects(StudyFileError, key):
-        Case().replace(changes)
+        casting_case().replace(changes)
 
 
 @pytest.mark.slow
 def test_the_report_shows_the_rest_and_the_other_tractions(tmp_path: Path) -> None:
-    case = Case().replace(
+    case = casting_case().replace(
         SOLVED
         | {
             "geometry.excitation_height": "9 mm",

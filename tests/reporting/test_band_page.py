@@ -17,6 +17,7 @@ from helpers import opened_browser
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.reporting.band_page import band_page, write_band_page
+from stickslip.results.band import TractionRange
 from stickslip.results.band_statistics import BandStatistics
 
 PEAKS = (1e-4 * (1.0 + 2.0 * (np.arange(32) + 0.5) / 32)).tolist()
@@ -85,6 +86,36 @@ def test_a_band_without_any_result_has_a_page() -> None:
     assert "0 samples have a result" in text
 
 
+def tractions() -> TractionRange:
+    """A second band of 180 to 260 µm about 200 µm."""
+    frequency = np.linspace(440.0, 480.0, 81)
+    lines = tuple((frequency, peak / np.hypot(1.0, frequency - 460.0)) for peak in (2e-4, 1.8e-4, 2.6e-4))
+    return TractionRange(2e-4, 1.8e-4, 2.6e-4, lines)
+
+
+def test_the_range_over_residual_tractions_is_a_second_band() -> None:
+    statistics = band_statistics(PEAKS, tractions=tractions())
+    figures = figures_of(statistics)
+    band = named(figures["distribution-peak_amplitude"], "residual tractions, central inputs")
+    assert (min(band["x"]), max(band["x"])) == (180.0, 260.0)
+    name = "residual tractions, central inputs"
+    assert "residual tractions" not in json.dumps(figures["distribution-peak_frequency"])
+    lines = [trace for trace in figures["curves"]["data"] if html.unescape(trace["name"]) == name]
+    assert [max(trace["y"]) for trace in lines] == pytest.approx([200.0, 180.0, 260.0])
+    assert [trace["showlegend"] for trace in lines] == [True, False, False]
+    text = page_of(statistics)
+    section = text[text.index("<h2>Residual tractions</h2>") :].partition("</section>")[0]
+    assert "is 200 µm. Over extreme residual tractions it is 180 to 260 µm (-10 % to +30 %)" in section
+    assert "lower bound" in section
+    assert statistics.to_dataset()["traction_peak"].values.tolist() == [1.8e-4, 2.6e-4]
+
+
+def test_a_range_over_residual_tractions_that_failed_is_a_notice() -> None:
+    text = page_of(band_statistics(PEAKS, tractions="No first point."))
+    assert "residual tractions with central inputs was not computed: No first point." in text
+    assert "<h2>Residual tractions</h2>" not in text
+
+
 def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
     with rejects(InputError):
         write_band_page(tmp_path / "no" / "band.html", band_statistics(PEAKS), "t", "", PROVENANCE)
@@ -93,7 +124,7 @@ def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_page_in_a_browser(tmp_path: Path) -> None:
     path = tmp_path / "band.html"
-    statistics = band_statistics([*PEAKS, None], ["peak_amplitude < 0.25 mm"], at_end=(3,))
+    statistics = band_statistics([*PEAKS, None], ["peak_amplitude < 0.25 mm"], (3,), tractions())
     write_band_page(path, statistics, "Two blades", "[study]", PROVENANCE)
     assert path.stat().st_size < LARGEST_PAGE
     with opened_browser() as browser:

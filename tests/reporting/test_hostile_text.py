@@ -79,7 +79,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, tupl
     }
 
 
-KINDS = pytest.mark.parametrize("kind", ["report", "sweep", "band", "paper"])
+KINDS = pytest.mark.parametrize("kind", ["report", "sweep", "band", "design", "paper"])
 
 
 @pytest.mark.slow
@@ -108,12 +108,12 @@ def test_no_attack_is_in_a_page_unescaped(pages: Any, kind: str) -> None:
 def test_data_can_not_end_their_script_nor_begin_another(pages: Any, kind: str) -> None:
     read = Reader(pages[kind][0])
     held = [code for attributes, code in read.scripts if attributes.get("type") == "application/json"]
-    assert len(held) == {"report": 3, "sweep": 1, "band": 1, "paper": 0}[kind]
+    assert len(held) == {"report": 3, "sweep": 1, "band": 1, "design": 1, "paper": 0}[kind]
     for code in held:
         assert not set("<>&") & set(code)
         json.loads(code)
     others = [attributes for attributes, _ in read.scripts if not attributes]
-    assert len(others) == {"report": 4, "sweep": 2, "band": 2, "paper": 0}[kind]  # plotly.js and the page's own
+    assert len(others) == {"report": 4, "sweep": 2, "band": 2, "design": 2, "paper": 0}[kind]  # plotly.js and own
     assert len(read.scripts) == len(held) + len(others)
 
 
@@ -136,7 +136,7 @@ def test_the_policy_allows_the_scripts_of_the_page_and_nothing_else(pages: Any, 
     assert head.index("Content-Security-Policy") < min(head.index("<style"), head.index("<title"), head.index("<link"))
 
 
-@pytest.mark.parametrize("kind", ["report", "sweep", "band"])
+@pytest.mark.parametrize("kind", ["report", "sweep", "band", "design"])
 def test_texts_of_figures_have_no_markup_but_their_own(pages: Any, kind: str) -> None:
     """plotly.js makes links and bold letters of tags, decodes entities, and fills "%{x}" in."""
     read = Reader(pages[kind][0])
@@ -152,6 +152,7 @@ def test_texts_of_figures_have_no_markup_but_their_own(pages: Any, kind: str) ->
     fields = {
         "report": ("output-2", "output-7", *structure),
         "band": ("key-0",),
+        "design": ("key-0", "load-0", "load-1"),
         "sweep": ("first-0", "second-1", "third-1", "key-0", "key-1"),
     }[kind]
     shown = "\n".join(html.unescape(text) for text in texts)

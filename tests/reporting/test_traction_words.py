@@ -30,6 +30,8 @@ def with_band(complete: bool = True) -> ForcedResponse:
         np.tile(response.frequency_hz, 2),
         np.concatenate([0.9 * response.displacement, 1.2 * response.displacement]),
         np.zeros((2, pairs, 2)),
+        np.array([2e-4, 2.005e-4, 1.5e-4]),
+        np.array([1e-4]),
     )
     return replace(response, traction_band=band)
 
@@ -46,7 +48,19 @@ def test_the_page_gives_the_range_of_the_peak() -> None:
     assert f"the highest peak is {0.9e6 * peak:.4g} to {1.2e6 * peak:.4g} µm" in words
     assert f"this curve: {1e6 * peak:.4g} µm" in words
     assert "was not computed" not in words
+    assert "Of 3 optimisations of the tractions for the highest peak, 2 reached 200.5 µm within 1 %." in words
+    assert "Of 1 optimisations of the tractions for the lowest peak, 1 reached 100 µm within 1 %." in words
     assert "end early" not in words
+
+
+def test_a_curve_that_ends_early_is_no_lowest_peak() -> None:
+    row = STUDY.outputs[STUDY.response_output]
+    for complete, low in ((True, 0.9), (False, 1.2)):
+        band = with_band(complete).traction_band
+        assert band is not None
+        swapped = replace(band, complete=band.complete[::-1].copy())
+        ends = [peak / summary(with_band(), row).peak.amplitude for peak in swapped.peak_range(row)]
+        assert ends == pytest.approx([low, 1.2])
 
 
 def test_the_page_says_that_curves_of_the_range_end_early() -> None:

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 from helpers import Blade, benchmark_module
-from sentences import rejects
-from stickslip.case.case import Case
+from rough_casting import casting_case
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import InputError
 from stickslip.model.model import build_model
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
+from stickslip.solve.harmonic import neglected, varying_harmonics
+from stickslip.solve.harmonic.checks import ResolutionCheck
 
 pytestmark = pytest.mark.slow
 
@@ -140,6 +142,50 @@ def test_the_estimate_is_never_below_half_of_the_true_error(kind: str, seed: int
     assert 0.5 <= row.honesty < 9.0
 
 
+def test_a_limit_of_the_work_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Harmonics that would make the equations too large are not used, and the message says so."""
+    monkeypatch.setattr(varying_harmonics, "ALWAYS_HARMONICS", 3)
+    monkeypatch.setattr(varying_harmonics, "MOST_ROWS", 0)
+    response = make("gaps", 1).solve(harmonics=None, accuracy=0.002)
+    assert response.converged
+    assert response.harmonics == 3
+    assert response.estimated_error.max() > 0.002
+    (sentence,) = (each for each in response.warnings if "The accuracy of" in each)
+    printed_sentence(sentence, "exceed the limit of the work", numbers=False)
+
+
+def test_without_steps_that_help_the_tangent_alone_gives_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is of the size of the usual one, not zero."""
+    name = "error_by_neglected_harmonics"
+    usual = float(make("gaps", 1).solve(harmonics=3).settings[name])
+    monkeypatch.setattr(neglected, "MOST_STEPS", 0)
+    tangent_alone = float(make("gaps", 1).solve(harmonics=3).settings[name])
+    assert 0.5 * usual < tangent_alone < 3.0 * usual
+
+
+def test_an_error_of_the_whole_motion_is_reported() -> None:
+    check = ResolutionCheck(1e-4, 1.0, neglected.UNKNOWN, 2.0 * np.pi * 50.0, None, accuracy=0.005)
+    (sentence,) = check.warnings(7, 256)
+    printed_sentence(sentence, "or not known")
+
+
+@pytest.mark.parametrize(
+    ("harmonics", "samples", "damped", "more"),
+    [
+        (3, 128, None, 7),
+        (5, 256, 20, 10),
+        (15, 256, None, 30),
+        (15, 256, 20, 20),
+        (21, 256, 20, 25),
+        (21, 64, None, 31),
+    ],
+)
+def test_estimates_have_twice_the_harmonics_within_samples_and_damping(
+    harmonics: int, samples: int, damped: int | None, more: int
+) -> None:
+    assert neglected.more_harmonics(harmonics, samples, damped) == more
+
+
 def test_an_accuracy_that_the_samples_do_not_allow_is_reported() -> None:
     coarse = make("gaps", 1).solve(harmonics=None, accuracy=1e-5, samples=64)
     assert coarse.estimated_error.max() > 1e-5
@@ -164,7 +210,7 @@ def test_wrong_accuracies_are_rejected(blade: Blade) -> None:
 def test_resonances_without_damping_are_no_false_alarm() -> None:
     """The default case with 15 harmonics: the stuck modes above 20 times the excitation have no damping, but the
     amplitude is that with 9 harmonics to 0.1 %."""
-    model = build_model(Case())
+    model = build_model(casting_case())
     (many, few) = (
         forced_response(
             model.superelement, model.pairs, model.excitation, frequency_hz=(454.5, 452.3), harmonics=harmonics,

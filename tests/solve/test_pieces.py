@@ -10,6 +10,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.fourier import with_rows
 from stickslip.solve import evidence as evidence_module
 from stickslip.solve import forced
 from stickslip.solve import pieces as pieces_module
@@ -103,6 +104,29 @@ def test_a_gap_is_named_and_a_wide_one_is_no_complete_curve(lowest: float, compl
     assert low >= lowest
     assert f"no points from 150.000 to {low:.3f} Hz" in warning
     assert complete or curve.message.startswith("The curve reached the stop frequency, but")
+
+
+def test_a_curve_that_no_step_lost_ends_with_what_happens_there_too() -> None:
+    """Such as one of too many points."""
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    part = curve._part
+
+    def many_points(start: Any, stop: float) -> Any:
+        answer = cast(Any, part(start, stop))
+        answer.lost = False
+        return answer
+
+    curve._part = many_points
+    assert not curve.follow(point(100.0)).complete
+    assert curve.message == f"toward 200 {SETTLES.words()}"
+
+
+@pytest.mark.parametrize(
+    ("given_by", "words"),
+    [(None, "No number of harmonics up to 24 gives it"), (12, "12 harmonics give it: run again with harmonics = 12")],
+)
+def test_the_evidence_says_whether_more_harmonics_help(given_by: int | None, words: str) -> None:
+    assert words in Evidence(100.0, 300, 1e-6, 0.5, 1, 24, given_by).words()
 
 
 def test_without_a_solution_beyond_the_curve_ends_with_what_happens_there() -> None:
@@ -243,3 +267,17 @@ def test_a_slow_resonance_has_not_settled_though_successive_periods_agree() -> N
 def test_words(repeats: int | None, words: str) -> None:
     assert words in Evidence(100.0, 300, 0.1, 0.5, repeats).words()
     assert evidence_module.LONGEST >= 3
+
+
+@pytest.mark.parametrize(("factor", "is_given"), [(1.0, True), (1.5, False)])
+def test_a_settled_motion_is_looked_for_with_more_harmonics(factor: float, is_given: bool) -> None:
+    """A solution that Newton's method finds elsewhere does not count."""
+    settling, omega = lost_resonance(), 2.0 * np.pi * 341.0
+    found = settling.solution((), omega, ramp=False)
+    assert found is not None
+    settling._in_time = cast(
+        Any,
+        SimpleNamespace(unknowns=lambda motion, harmonics: factor * with_rows(found[0].unknowns, 2 * harmonics + 1)),
+    )
+    own = settling._harmonics
+    assert settling._harmonics_of(cast(Any, None), omega) == ((own, own) if is_given else (8 * own, None))

@@ -8,8 +8,9 @@ import pytest
 
 from sentences import rejects
 from stickslip.core.errors import InputError
+from stickslip.model.model import build_model
 from stickslip.results.storage import load_results
-from stickslip.study import analyses
+from stickslip.study import analyses, solution
 from stickslip.study import run as study
 from stickslip.study.check import check
 from stickslip.study.solution import solve_case
@@ -56,10 +57,22 @@ def test_a_check_announces_the_mode() -> None:
     assert "nonlinear mode" not in dict(dict(check(quick_case()))["Would run"])
 
 
+def test_a_mode_above_the_unknowns_is_rejected_before_the_reduction(monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_model(*_: object, **__: object) -> None:
+        raise AssertionError("nothing may be reduced")
+
+    monkeypatch.setattr(solution, "build_model", no_model)
+    case = quick_case().replace(MODE | {"analysis.mode": 99_999})
+    for run in (check, solve_case):
+        with rejects(InputError, "analysis.mode"):
+            run(case)
+
+
 def test_a_mode_that_does_not_exist_is_rejected_before_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:
     def no_curve(*_: object, **__: object) -> None:
         raise AssertionError("the curve must not be computed")
 
     monkeypatch.setattr(analyses, "forced_response", no_curve)
+    case = quick_case().replace(MODE | {"analysis.mode": 99_999})
     with rejects(InputError, "analysis.mode"):
-        solve_case(quick_case().replace(MODE | {"analysis.mode": 99_999}))
+        analyses.solve(case, build_model(case))

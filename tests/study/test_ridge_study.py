@@ -68,6 +68,18 @@ def test_a_ridge_over_the_friction_coefficient_agrees_with_a_whole_curve() -> No
 
 
 @pytest.mark.slow
+def test_a_ridge_over_a_dimension_agrees_with_a_whole_curve() -> None:
+    """Each value has its own mesh and reduction."""
+    case = quick_case()
+    peaks = ridge(case, "geometry.platform_gap", ("0.7 mm", "1.3 mm"))
+    assert peaks.converged, peaks.message
+    fine = case.replace({"geometry.platform_gap": "0.8 mm", "solver.largest_step": 0.02})
+    solution = ss.solve_case(fine)
+    highest = solution.response.amplitude(next(iter(solution.model.outputs.values()))).max()
+    assert peaks.at(8e-4).amplitude[0] == pytest.approx(highest, rel=1e-3)
+
+
+@pytest.mark.slow
 def test_a_study_with_an_accuracy_has_a_performance_curve_with_the_harmonics_of_its_peak(tmp_path: Path) -> None:
     changes = {"solver.harmonics": None, "solver.accuracy": "1 %", "analysis.performance_curve": True}
     response = study.run(quick_case().replace(changes), tmp_path).response
@@ -124,6 +136,12 @@ def test_a_key_or_a_range_that_cannot_be_used_is_rejected_before_anything_runs(
         check(case)
     with rejects(ss.InputError, key):
         ss.solve_case(case)
+
+
+def test_a_dimension_that_does_not_fit_is_rejected_before_anything_runs() -> None:
+    over = {"analysis.over": "geometry.damper_length", "analysis.over_from": "20 mm"}
+    with rejects(ss.InputError, "geometry.damper_length", "geometry.width"):
+        check(quick_case().replace(RIDGE | over | {"analysis.over_to": "33 mm"}))
 
 
 def test_a_range_in_which_the_roughness_gives_no_contact_is_rejected() -> None:

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from own_cases import EXAMPLE, mesh_case
+from rough_casting import casting_case
 from stickslip.case.case import Case
 from stickslip.case.load import load_case
 from stickslip.core.validation import FloatArray
@@ -41,7 +42,7 @@ def areas(sketch: Sketch) -> np.ndarray:
 
 
 def two_blades(element: str) -> Callable[[], Case]:
-    return lambda: Case().replace(COARSE_MESH | {"geometry.excitation_height": "9 mm", "mesh.element": element})
+    return lambda: casting_case().replace(COARSE_MESH | {"geometry.excitation_height": "9 mm", "mesh.element": element})
 
 
 @pytest.mark.slow

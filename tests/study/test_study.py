@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from rough_casting import ROUGH_CASTING, casting_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.cli.main import app
@@ -30,6 +31,7 @@ from sweep_cases import COARSE_MESH, quick_case
 pytestmark = pytest.mark.slow
 
 COARSE = {
+    **ROUGH_CASTING,
     **COARSE_MESH,
     "geometry.excitation_height": "9 mm",
     "excitation.amplitude": "60 N",
@@ -147,12 +149,12 @@ def test_check_says_what_would_run() -> None:
     derived = dict(sections["Derived quantities"])
     assert derived["Normal load, left face"] == "288.7 N"
     assert derived["Sq"].endswith("µm")
-    assert dict(sections["Would run"])["sweep"] == "400 to 530 Hz"
+    assert dict(sections["Would run"])["sweep"] == "400 to 550 Hz"
 
 
 def test_check_shows_the_warnings_of_the_roughness() -> None:
     sections = dict(
-        check(Case().replace({"roughness.fractal_dimension": 2.49, "roughness.fractal_roughness": "1e-11 m"}))
+        check(casting_case().replace({"roughness.fractal_dimension": 2.49, "roughness.fractal_roughness": "1e-11 m"}))
     )
     assert "Warnings" in sections
 

@@ -75,6 +75,25 @@ def test_sobol_indices_of_a_product_are_those_of_the_closed_form(linear: tuple[B
     assert linear[0].influences["peak_frequency"].total[1] > 0.99  # f sqrt(1 - 2 zeta^2): of the damping alone
 
 
+def test_residual_tractions_are_varied_with_central_inputs(study: Path, tmp_path: Path) -> None:
+    """A joint that never slips, with tractions far below its limit: each of them has the same linear peak."""
+    case = ss.load_case(study).replace({"analysis.traction_band": True, FORCE: "1.5 mN", DAMPING: "3 %"})
+    band = ss.band(case, SCATTER, out=tmp_path, samples=8, workers=1)
+    assert band.tractions is not None
+    middle = peak_m(2e-3, 0.02)
+    assert (band.tractions.peak, band.tractions.low, band.tractions.high) == pytest.approx((middle,) * 3, rel=1e-4)
+    assert len(band.tractions.curves) == 1
+    assert len(band.table.rows) == 8
+    assert all("lowest_traction_peak_amplitude_m" not in row.measures for row in band.table.rows)
+    (central,) = (tmp_path / "cases").glob("central_*/results.nc")
+    saved = ss.ForcedResponse.load(central).traction_band
+    assert saved is not None
+    again = ss.band(case, SCATTER, out=tmp_path, samples=8, workers=1)
+    assert again.found == 9
+    assert again.tractions is not None
+    assert again.tractions.high == band.tractions.high
+
+
 def test_the_band_of_the_curves_is_proportional_to_a_force_alone(study: Path) -> None:
     """A quantile of a force F_q gives everywhere F_q / F of any one curve."""
     case = ss.load_case(study).replace({DAMPING: "2 %"})

@@ -29,9 +29,16 @@ class AnalysisSection(Section):
         default=True,
         description="two blades: peaks over centrifugal force over excitation force, in the time of up to three curves",
     )
+    stiffness_band: bool = Field(
+        default=True,
+        description="if it follows from roughness: curves with 1/3 and 3 times the contact stiffness; two curves more",
+    )
     traction_band: bool = Field(
         default=False,
-        description="compute how far the peak moves with the residual tractions of pairs; takes several curves more",
+        description="bound the peak over the residual tractions of pairs (run --traction-band); time of several curves",
+    )
+    traction_starts: Annotated[int, Count(at_least=0, at_most=MOST_STARTS)] = Field(
+        default=2, description="random tractions from which this band is optimised, beside zero and estimated extremes"
     )
     search: bool = Field(
         default=False,

@@ -9,7 +9,7 @@ from stickslip.case.analysis import WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
 from stickslip.case.own_sections import OwnPreloadSection, PlaceSection
 from stickslip.case.sections import PreloadSection, SolverSection
-from stickslip.case.two_blade_sections import WedgePreloadSection
+from stickslip.case.two_blade_sections import ROTATING, WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES
 from stickslip.core.errors import InputError
 from stickslip.core.resolution import SAMPLES_PER_HARMONIC
@@ -63,6 +63,8 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool)
     ``loads`` are the sections with static loads of the study; ``pressed`` says whether the stiffness of any face
     follows from its pressure.
     """
+    if isinstance(preload, WedgePreloadSection):
+        yield from _mass_errors(preload, rotates="rotation" in loads)
     if preload.method == "prescribed":
         for name in loads:
             yield EntryError((name,), 'applies only to preload.method = "solved". Set it, or remove the section.')
@@ -74,7 +76,7 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool)
         yield EntryError(("preload", "values"), 'are a result of method = "solved". Remove one of the two.')
     wedge_force = None
     if isinstance(preload, WedgePreloadSection):
-        wedge_force = preload.centrifugal_force
+        wedge_force = preload.damper_force
         yield from _wedge_errors(preload, rotates="rotation" in loads)
     if wedge_force is None and not loads:
         yield EntryError(
@@ -88,6 +90,25 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool)
             'is "pressure-gap", which requires a roughness or another law of stiffness over pressure. Give '
             "[roughness].",
         )
+
+
+def _mass_errors(preload: WedgePreloadSection, rotates: bool) -> Iterator[EntryError]:
+    """A part of the keys of a damper's mass, or a source of its load beside them."""
+    given = [key for key in ROTATING if getattr(preload, key) is not None]
+    lacking = [key for key in ROTATING if key not in given]
+    if not given:
+        return
+    if lacking:
+        yield EntryError(
+            ("preload", lacking[0]),
+            f"is missing: {given[0]} gives the centrifugal force only together with {' and '.join(lacking)}.",
+        )
+    elif not preload.damper_force:
+        yield EntryError(("preload", "speed_of_rotation"), "is 0, so the damper has no centrifugal force. Raise it.")
+    if preload.values is not None:
+        yield EntryError(("preload", given[0]), "and preload.values are both given. Remove one of the two.")
+    if rotates:
+        yield EntryError(("preload", given[0]), "and [rotation] would load the damper twice. Remove one of the two.")
 
 
 def _wedge_errors(preload: WedgePreloadSection, rotates: bool) -> Iterator[EntryError]:

@@ -8,7 +8,8 @@ _BODY = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m
 _RESOLUTION = {"accuracy": "0.5 %"}
 _SOLVER = {"frequency_start": "100 Hz", "frequency_stop": "1000 Hz", **_RESOLUTION}
 EXAMPLES: dict[str, dict[str, Any]] = {
-    "two-blade": {"solver": _RESOLUTION},
+    # Its contact stiffness is uncertain by a factor 3; a finer accuracy takes several times as long.
+    "two-blade": {"solver": {"accuracy": "2 %"}},
     "mesh": {
         "study": {"title": "My structure"},
         "structure": {"kind": "mesh", "file": "model.inp", "length_unit": "mm", "fixed": ["root"]},

@@ -20,6 +20,7 @@ from stickslip.case.quantities import (
     FileName,
     Force,
     PoissonRatio,
+    RotationSpeed,
     TensileStrength,
     YoungModulus,
     require_printable,
@@ -263,9 +264,6 @@ class StaticLoadSection(NodeGroupSection):
 class RotationSection(Section):
     """Constant rotation of the complete model: the centrifugal load of all bodies, for a solved preload."""
 
-    # Turbochargers turn at 3e4 rad/s, dental drills at 5e4, micro spindles at 1e5.
-    speed: Annotated[float, Quantity("speed of rotation", shown="rpm", at_least=0.0, at_most=1e9, usual=(0.0, 1e6))] = (
-        Field(description="revolutions per minute or rad/s")
-    )
+    speed: RotationSpeed = Field(description="revolutions per minute or rad/s")
     axis: Direction = Field(description="[x, y, z] along the axis")
     point: Place = Field(default=(0.0, 0.0, 0.0), description="on the axis")

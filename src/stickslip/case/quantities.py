@@ -22,6 +22,8 @@ Length = Annotated[float, Quantity("length", shown="mm", at_least=1e-9, at_most=
 # Distances and places in a mesh or in matrices: as large as a ship, with room for those who write "far away".
 Distance = Annotated[float, Quantity("length", shown="mm", at_least=1e-12, at_most=1e6)]
 Coordinate = Annotated[float, Quantity("length", shown="mm", at_least=-1e6, at_most=1e6)]
+# Dampers of micromachined parts have micrograms, those of hydraulic turbines kilograms.
+Mass = Annotated[float, Quantity("mass", shown="g", at_least=1e-12, at_most=1e6, usual=(1e-9, 1e3))]
 Force = Annotated[float, Quantity("force", at_least=1e-15, at_most=LARGEST_FORCE, usual=(1e-6, 1e8), example='"500 N"')]
 ForceOrNone = Annotated[float, Quantity("force", at_least=0.0, at_most=LARGEST_FORCE)]
 PairForce = Annotated[float, Quantity("force", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)]
@@ -50,6 +52,10 @@ Density = Annotated[float, Quantity("density", at_least=1e-6, at_most=1e9)]
 PoissonRatio = Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)]
 # Rubber on dry glass reaches 3 or 4, clean metals in vacuum more; 1e-9 is practically no friction.
 FrictionCoefficient = Annotated[float, Quantity("pure number", at_least=1e-9, at_most=10.0)]
+# Turbochargers turn at 3e4 rad/s, dental drills at 5e4, micro spindles at 1e5.
+RotationSpeed = Annotated[
+    float, Quantity("speed of rotation", shown="rpm", at_least=0.0, at_most=1e9, usual=(0.0, 1e6))
+]
 Area = Annotated[float, Quantity("area", shown="mm^2", at_least=1e-18, at_most=1e6)]
 # Fraction of a window or of a response; below 1e-12 round-off decides.
 Step = Annotated[float, Quantity("pure number", at_least=1e-12, at_most=1.0)]

@@ -41,12 +41,18 @@ class ReductionSection(Section):
     )
 
 
+FractalMode = Literal["consistent", "varying-curvature", "unloading"]
+FIRST_MODE: FractalMode = "consistent"
+_OF_FRACTAL = ("mode", "reference_area", "domain_extension")  # keys of this law alone: they choose it
+
+
 class RoughnessSection(Section):
-    """Fractal (Weierstrass-Mandelbrot) roughness of the contact faces; with the preload it gives the contact stiffness.
-    At the same G a larger D makes the face smoother and stiffer; a larger G makes it rougher and softer."""
+    """Roughness of the contact faces; with the preload it gives the contact stiffness. The defaults are machined faces:
+    Sq 1 um over the cut-off of 0.8 mm, under the law that agrees with boundary elements within a factor 2. At the same
+    Sq a larger D has more of its height in short waves."""
 
     fractal_dimension: Annotated[float, Quantity("pure number", above=2.0, below=3.0)] = Field(
-        default=2.4, description="D of the surface, 2 < D < 3"
+        default=2.2, description="D of the surface, 2 < D < 3; machined metal has about 2.2"
     )
     # A fit of a nearly smooth profile gives 1e-100 m as D nears 2; heights grow with G^(D-2).
     fractal_roughness: (
@@ -62,20 +68,22 @@ class RoughnessSection(Section):
             ),
         ]
         | None
-    ) = Field(default=1e-8, description="G; the unit is required")
+    ) = Field(
+        default=None,
+        description="G, the scale of the heights, instead of sq; the unit is required",
+        examples=["1e-17 m"],
+    )
     # Polished glass has 1 nm, a sand casting 100 um.
     sq: Annotated[float, Quantity("length", shown="um", at_least=1e-12, at_most=1e-2, usual=(1e-10, 1e-3))] | None = (
-        Field(
-            default=None,
-            description="root mean square height over sample_length, instead of fractal_roughness",
-            examples=["1.2 um"],
-        )
+        Field(default=1e-6, description="root mean square height over sample_length", validate_default=True)
     )
     # Soft rubber 0.1 MPa, lead 40 MPa, diamond 100 GPa (Tabor, The Hardness of Metals).
     hardness: Annotated[
         float, Quantity("pressure", shown="GPa", at_least=1e4, at_most=1e13, usual=(1e7, 2e11), example='"3 GPa"')
     ] = Field(default=3e9, description="of the softer face; steel and nickel alloys 2 to 4 GPa")
-    sample_length: Length = Field(default=0.028, description="longest wave of the surface")
+    sample_length: Length = Field(
+        default=0.0008, description="longest wave of the surface; longer ones are form, as behind the cut-off of Sq"
+    )
     # Atoms of metals are 0.25 nm apart.
     shortest_length: Annotated[
         float, Quantity("length", shown="um", at_least=1e-10, at_most=3.0, usual=(1e-9, 1e-2), example='"1 um"')
@@ -85,15 +93,18 @@ class RoughnessSection(Section):
         default=1, description="of the random phases"
     )
     law: Literal["fractal", "persson", "greenwood-williamson", "bush-gibson-thomas"] = Field(
-        default="fractal",
-        description="contact stiffness from the roughness; persson agrees best with boundary elements",
+        default="persson",
+        description="of the contact stiffness; persson agrees best with boundary elements",
+    )
+    # Times the stiffness of the law: a calibration to a measured frequency, or the uncertainty of the law.
+    stiffness_factor: Annotated[float, Quantity("pure number", at_least=1e-6, at_most=1e6)] = Field(
+        default=1.0, description="times the stiffness of the law, for a calibration or its uncertainty"
     )
     # "paper" is the earlier name of "varying-curvature" in study files.
-    mode: Annotated[
-        Literal["consistent", "varying-curvature", "unloading"], Respelled("paper", "varying-curvature")
-    ] = Field(
-        default="consistent",
+    mode: Annotated[FractalMode | None, Respelled("paper", "varying-curvature")] = Field(
+        default=None,
         description="fractal: varying-curvature: K_n along spots of all sizes; unloading: plastic spots respond too",
+        examples=["consistent"],
     )
     tangential_law: Literal["mindlin", "sherif-kossa"] = Field(
         default="mindlin", description="K_t / K_n: mindlin 2 (1-nu)/(2-nu); sherif-kossa pi (1-nu)/(2 (2-nu))"
@@ -117,8 +128,10 @@ class RoughnessSection(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _sq_replaces_the_default(cls, data: Any) -> Any:
-        return without_default(data, ("sq",), "fractal_roughness")
+    def _given_keys_replace_defaults(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and "law" not in data and any(data.get(key) is not None for key in _OF_FRACTAL):
+            data = {**data, "law": "fractal"}  # files of earlier versions have its keys without its name
+        return without_default(data, ("fractal_roughness",), "sq")
 
     @field_validator("sq")
     @classmethod
@@ -130,8 +143,8 @@ class RoughnessSection(Section):
     @field_validator("mode", "tangential_law", "form_length", "reference_area", "domain_extension")
     @classmethod
     def _of_the_law(cls, value: Any, info: ValidationInfo) -> Any:
-        is_default = value == cls.model_fields[str(info.field_name)].default
-        of_fractal = info.field_name in ("mode", "reference_area", "domain_extension")
+        is_default = value in (cls.model_fields[str(info.field_name)].default, FIRST_MODE)
+        of_fractal = info.field_name in _OF_FRACTAL
         if "law" in info.data and not is_default and of_fractal != (info.data["law"] == "fractal"):
             laws = 'the law "fractal"' if of_fractal else "the other laws"
             raise InputError(f'belongs to {laws}, but law is "{info.data["law"]}". Remove it, or choose another law.')
@@ -144,6 +157,11 @@ class RoughnessSection(Section):
         if longest is not None and value >= longest:
             raise InputError(f"must be below sample_length = {longest:g} m: the surface has waves between the two.")
         return value
+
+    @property
+    def fractal_mode(self) -> FractalMode:
+        """The mode of the fractal law, also where another law is chosen and the fractal one stands beside it."""
+        return self.mode or FIRST_MODE
 
     @field_validator("reference_area")
     @classmethod
@@ -227,7 +245,7 @@ class SolverSection(Section):
     """Frequency range of the sweep, and its accuracy."""
 
     frequency_start: Frequency = Field(default=400.0, description="a start above the stop sweeps downwards")
-    frequency_stop: Frequency = Field(default=530.0)
+    frequency_stop: Frequency = Field(default=550.0)
     harmonics: Annotated[int, Count(at_least=1, at_most=200)] | None = Field(
         default=5, description="in addition to the mean, fixed, instead of accuracy; 5 without either"
     )

@@ -14,7 +14,9 @@ from stickslip.case.quantities import (
     FatigueLimit,
     Force,
     Length,
+    Mass,
     PoissonRatio,
+    RotationSpeed,
     TensileStrength,
     YoungModulus,
 )
@@ -22,27 +24,34 @@ from stickslip.case.section import Section, instead_of, without_default
 from stickslip.case.sections import PreloadSection, StructureSection
 from stickslip.core.units import Quantity
 
+PlatformAngle = Annotated[
+    float,
+    Quantity(
+        "angle",
+        shown="deg",
+        at_least=1e-6,
+        below=1.5707963267948966,
+        unit_required="A plain number would be in radians, which is unusual here.",
+    ),
+]
+
 
 class GeometrySection(Section):
-    """All dimensions of two mirrored blades and the damper between them. The defaults are from no drawing; they are
-    fitted to ten natural frequencies of such a pair. z runs from the fixed root to the tip, x across the airfoil's
-    thickness, y along the chord."""
+    """All dimensions of two blades, mirrored but for their platform angles, and the damper between them.
+    The defaults are from no drawing; they are fitted to ten natural frequencies of such a pair. z runs from the fixed
+    root to the tip, x across the airfoil's thickness, y along the chord."""
 
     blade_length: Length = Field(default=0.145, description="root to tip")
     width: Length = Field(default=0.028, description="chord: extent along y")
     airfoil_thickness: Length = Field(default=0.007, description="along x")
     damper_length: Length = Field(default=0.028, description="along y")
     contact_face_width: Length = Field(default=0.0065, description="along the slope of the platform")
-    platform_angle: Annotated[
-        float,
-        Quantity(
-            "angle",
-            shown="deg",
-            at_least=1e-6,
-            below=1.5707963267948966,
-            unit_required="A plain number would be in radians, which is unusual here.",
-        ),
-    ] = Field(default=0.523598775598299, description="contact face against the horizontal")
+    platform_angle: PlatformAngle = Field(default=0.523598775598299, description="contact face against the horizontal")
+    right_platform_angle: PlatformAngle | None = Field(
+        default=None,
+        description="of the right blade, if it differs; both platform tops have the same height",
+        examples=["20 deg"],
+    )
     underside_height_at_shank: Length = Field(default=0.0367, description="height of the platform's underside")
     inner_overhang: Length = Field(default=0.0117, description="flat underside between shank and contact face")
     platform_edge_thickness: Length = Field(default=0.0057, description="at the free edge")
@@ -85,10 +94,11 @@ class MaterialSection(Section):
 
 
 class ExcitationSection(Section):
-    """Harmonic force at N1 (left blade) and N2 (right blade)."""
+    """Harmonic force at N1 (left blade) and N2 (right blade). With the defaults the blades move against each other and
+    most pairs slip: friction reduces the peak to a third of the peak with stuck pairs."""
 
     mode: Literal["single", "same", "opposite"] = Field(
-        default="single", description="single: N1 alone; same, opposite: direction at N1 and N2"
+        default="opposite", description="single: N1 alone; same, opposite: direction at N1 and N2"
     )
     amplitude: Force = Field(default=300.0, description="of each force")
     direction: Direction = Field(
@@ -109,10 +119,25 @@ class TwoBladeStructureSection(StructureSection):
     kind: Literal["two-blade"] = Field(default="two-blade", description="two-blade, mesh or matrices")
 
 
+# Keys that give the centrifugal force of the damper together.
+ROTATING = ("damper_mass", "radius_of_rotation", "speed_of_rotation")
+
+
 class _WedgeKeys(Section):
     centrifugal_force: Force | None = Field(
         default=500.0,
         description="F of the damper, total over both ends; each face carries F / (2 (cos angle + mu_0 sin angle))",
+    )
+    damper_mass: Mass | None = Field(
+        default=None,
+        description="with radius and speed: F is mass times radius_of_rotation times speed_of_rotation squared",
+        examples=["20 g"],
+    )
+    radius_of_rotation: Annotated[float, Quantity("length", shown="mm", at_least=1e-9, at_most=100.0)] | None = Field(
+        default=None, description="of the damper's centre of mass about the axis of the disk", examples=["300 mm"]
+    )
+    speed_of_rotation: RotationSpeed | None = Field(
+        default=None, description="of the disk; revolutions per minute or rad/s", examples=["3000 rpm"]
     )
     friction_coefficient_at_assembly: Annotated[float, Quantity("pure number", at_least=0.0, at_most=10.0)] = Field(
         default=0.0, description="mu_0: friction that supports part of the force"
@@ -125,9 +150,16 @@ class WedgePreloadSection(PreloadSection, _WedgeKeys):
     @model_validator(mode="before")
     @classmethod
     def _values_replace_the_default(cls, data: Any) -> Any:
-        return without_default(data, ("values",), "centrifugal_force")
+        return without_default(data, ("values", *ROTATING), "centrifugal_force")
 
-    @field_validator("values")
+    @field_validator("values", *ROTATING)
     @classmethod
     def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
         return instead_of(value, info, "centrifugal_force")
+
+    @property
+    def damper_force(self) -> float | None:
+        """N, the centrifugal force of the damper: as given, or from its mass; None if neither is given."""
+        if self.damper_mass is None or self.radius_of_rotation is None or self.speed_of_rotation is None:
+            return self.centrifugal_force
+        return self.damper_mass * self.radius_of_rotation * self.speed_of_rotation**2

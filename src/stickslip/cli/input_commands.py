@@ -1,4 +1,4 @@
-"""The commands on files that a study begins with: roughness of a measured face, content of a model file."""
+"""The commands on files that a study begins with: a measured face, measured loops, a model of another program."""
 
 from __future__ import annotations
 
@@ -51,6 +51,38 @@ def roughness(
         echo("\nNormal contact stiffness per area of a face of 1 cm2 with the waves of the measurement:")
         print_rows(measured_roughness.stiffness_rows(measured, hardness))
         echo(f"\nFor the study file:\n{lines.rstrip()}")
+
+
+def fit(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="Loops: displacement and force.", show_default=False)],
+    normal_load: Annotated[
+        str | None, typer.Option("--normal-load", help='Normal load of the measurement: "90 N".')
+    ] = None,
+    predict: Annotated[
+        str | None, typer.Option("--predict", help='Energy per cycle at another normal load, such as "160 N".')
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.", parser=folder)
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Tangential stiffness, friction limit and backlash of measured hysteresis loops."""
+    with error_messages(debug):
+        if out is not None:
+            require_folder(out)
+        from stickslip.cli import measured_loops
+
+        found = measured_loops.fit_file(path, normal_load)
+        other = measured_loops.predicted_rows(found, predict)
+        print_rows(measured_loops.rows(found))
+        for sentence in found.warnings:
+            echo(f"Warning: {sentence}")
+        for file in measured_loops.write(out, found) if out is not None else ():
+            echo(f"Wrote {file}")
+        if other:
+            echo(f"\nAt a normal load of {predict}, with the same friction coefficient, stiffness and backlash:")
+            print_rows(other)
+        echo(f"\nFor the study file:\n{measured_loops.study_lines(found)}")
 
 
 def import_model(

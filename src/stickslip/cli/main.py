@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | sweep | report | compare | export | roughness | import | paper``.
+"""The command line: ``stickslip new | check | run | sweep | band | design | report | compare | export | fit | ...``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted,
 128 + n stopped by signal n. Large packages are imported inside the commands, so that ``stickslip --help`` answers at
@@ -13,16 +13,28 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stickslip.cli import input_commands, result_commands
+from stickslip.cli.design_command import design
 from stickslip.cli.errors import Debug, error_messages
 from stickslip.cli.many_cases import (
     EXIT_NOT_CONVERGED,
     SHOWN_FAILURES,
     about_file,
     close_cases,
+    load_study,
     require_one_place,
     solving,
 )
-from stickslip.cli.options import folder, print_rows
+from stickslip.cli.options import (
+    FINISHED_CASES_NOTE,
+    OutFolder,
+    Quiet,
+    Scheduler,
+    StudyFile,
+    Workers,
+    WorkerThreads,
+    folder,
+    print_rows,
+)
 from stickslip.cli.process import tolerate_closed_output
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.files import require_folder, whole_file
@@ -30,8 +42,6 @@ from stickslip.core.progress import terminal_progress
 from stickslip.core.terminal import echo
 
 if TYPE_CHECKING:
-    from stickslip.case.case import Case
-    from stickslip.case.toml_text import KeyPositions
     from stickslip.study.run import StudyOutcome
 
 app = typer.Typer(
@@ -44,22 +54,13 @@ app = typer.Typer(
 )
 
 
-FINISHED_CASES_NOTE = "Completed cases are stored; the same command resumes with the others."
-StudyFile = Annotated[Path, typer.Argument(metavar="FILE", help="The study file (TOML).", show_default=False)]
-OutFolder = Annotated[
-    Path,
-    typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=folder),
+TractionBand = Annotated[
+    bool,
+    typer.Option(
+        "--traction-band",
+        help="Bound the peak over the residual tractions of the pairs, as analysis.traction_band = true in FILE.",
+    ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print only errors.")]
-Workers = Annotated[
-    int | None,
-    typer.Option("--workers", min=1, help="Processes; default one for each processor.", show_default=False),
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler."),
-]
-WorkerThreads = Annotated[int, typer.Option("--threads", min=1, help="Threads of each worker.")]
 
 
 def main() -> None:
@@ -114,7 +115,7 @@ def new(
 def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
     with error_messages(debug):
-        case, places = _load(path)
+        case, places = load_study(path)
         from stickslip.study.check import check as checked
 
         with about_file(places):
@@ -157,15 +158,17 @@ def run(
             "--gradients", help="Compute what each input changes at the peak, as analysis.gradients = true in FILE."
         ),
     ] = False,
+    traction_band: TractionBand = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
     """Solve a study and write results, report and figures into DIR."""
     with error_messages(debug, log_folder=out):
-        case, places = _load(path, quiet)
+        case, places = load_study(path, quiet)
         case = case.replace({"analysis.search": True}) if search else case
         case = case.replace(_ridge_keys(ridge)) if ridge is not None else case
         case = case.replace({"analysis.gradients": True}) if gradients else case
+        case = case.replace({"analysis.traction_band": True}) if traction_band else case
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 
@@ -208,7 +211,7 @@ def sweep(
     """Solve a study for all combinations of some values; resumes an earlier sweep into DIR."""
     with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE):
         require_one_place(workers, scheduler)
-        case, places = _load(path, quiet)
+        case, places = load_study(path, quiet)
         from dataclasses import replace
 
         from stickslip.sweeps import axes, run
@@ -245,6 +248,7 @@ def band(
         ),
     ] = None,
     samples: Annotated[int, typer.Option("--samples", min=8, help="Number of samples, best a power of two.")] = 64,
+    traction_band: TractionBand = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
     threads: WorkerThreads = 1,
@@ -254,7 +258,8 @@ def band(
     """Percentiles of curve, peak and frequency with distributed inputs; resumes an earlier band into DIR."""
     with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE):
         require_one_place(workers, scheduler)
-        case, places = _load(path, quiet, central=False)
+        case, places = load_study(path, quiet, central=False)
+        case = case.replace({"analysis.traction_band": True}) if traction_band else case
         from dataclasses import replace
 
         from stickslip.sweeps import axes, distributions
@@ -276,7 +281,14 @@ def band(
         close_cases(result, quiet, "samples")
 
 
-for _command in (result_commands.report, result_commands.compare, result_commands.export, input_commands.roughness):
+for _command in (
+    design,
+    result_commands.report,
+    result_commands.compare,
+    result_commands.export,
+    input_commands.roughness,
+    input_commands.fit,
+):
     app.command()(_command)
 app.command("import")(input_commands.import_model)
 
@@ -306,21 +318,6 @@ def paper(
             echo(f"Failed: {failure.setting}: {failure.message}", err=True)
         if outcome.failures:
             raise typer.Exit(EXIT_NOT_CONVERGED)
-
-
-def _load(path: Path, quiet: bool = False, central: bool = True) -> tuple[Case, KeyPositions]:
-    """The case of a study file and the lines of its keys; reports which values are defaults, and which are the
-    ``central`` ones of distributed inputs. Raises StudyFileError."""
-    from stickslip.case.load import load_case_and_positions
-    from stickslip.case.scatter_text import central_sentences
-
-    case, places = load_case_and_positions(path)
-    defaults = case.defaulted_keys()
-    if defaults and not quiet:
-        echo(f"Not in the file; stickslip uses the defaults: {', '.join(defaults)}", err=True)
-    for sentence in central_sentences(places.scattered) if central else ():
-        echo(f"Note: {sentence}", err=True)
-    return case, places
 
 
 def _close(outcome: StudyOutcome, quiet: bool) -> None:

@@ -13,6 +13,9 @@ from stickslip.core.progress import terminal_progress
 from stickslip.core.terminal import echo
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from stickslip.case.case import Case
     from stickslip.case.toml_text import KeyPositions
     from stickslip.core.progress import Progress
     from stickslip.sweeps.band import Band
@@ -21,6 +24,21 @@ if TYPE_CHECKING:
 
 EXIT_NOT_CONVERGED = 3  # what was computed is written
 SHOWN_FAILURES = 10  # chosen: lines on failed cases
+
+
+def load_study(path: Path, quiet: bool = False, central: bool = True) -> tuple[Case, KeyPositions]:
+    """The case of a study file and the lines of its keys; reports which values are defaults, and which are the
+    ``central`` ones of distributed inputs. Raises StudyFileError."""
+    from stickslip.case.load import load_case_and_positions
+    from stickslip.case.scatter_text import central_sentences
+
+    case, places = load_case_and_positions(path)
+    defaults = case.defaulted_keys()
+    if defaults and not quiet:
+        echo(f"Not in the file; stickslip uses the defaults: {', '.join(defaults)}", err=True)
+    for sentence in central_sentences(places.scattered) if central else ():
+        echo(f"Note: {sentence}", err=True)
+    return case, places
 
 
 @contextmanager

@@ -130,7 +130,7 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
     roughness = replace(
         case_roughness(case, *[case_material(case)] * 2), sample_length=longest, shortest_length=shortest
     )
-    persson, fractal = persson_law(roughness, FACE_AREA), law_of_roughness(roughness, FACE_AREA)
+    persson, fractal = persson_law(roughness, FACE_AREA), law_of_roughness(roughness, FACE_AREA, "fractal")
     table = []
     for pressure in PRESSURES:
         found = compared(fractal, persson, pressure)

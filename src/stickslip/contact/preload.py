@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.contact.wedge import face_loads
 from stickslip.core.errors import InputError
 from stickslip.core.validation import (
     FloatArray,
@@ -25,24 +26,29 @@ def uniform_preload(
     area: ArrayLike,
     face: ArrayLike,
     friction_coefficient: float = 0.0,
+    right_platform_angle: float | None = None,
 ) -> FloatArray:
-    """Preload (n_pairs,) in N of a wedge damper that rests on two equally inclined faces with uniform pressure.
+    """Preload (n_pairs,) in N of a wedge damper that rests on two inclined faces with uniform pressure.
 
     N_face = F_N / (2 (cos theta + mu_0 sin theta)), distributed over the pairs of a face by area. It is the equilibrium
     of forces along F_N: each face contributes N cos theta, and, if the damper slid outwards at assembly, mu_0 N sin
-    theta. mu_0 = 0 is the frictionless wedge.
+    theta. mu_0 = 0 is the frictionless wedge. Two different angles: :mod:`stickslip.contact.wedge`.
 
     ``centrifugal_force`` F_N in N, total over both ends of the damper; ``platform_angle`` theta in rad, between a
     face and the plane normal to F_N; ``area`` (n_pairs,) m2; ``face`` (n_pairs,) integers, which face a pair belongs
-    to; ``friction_coefficient`` mu_0 at assembly. Raises InputError for values that are not usable.
+    to; ``friction_coefficient`` mu_0 at assembly; ``right_platform_angle`` in rad, of the face 1 if it differs from
+    that of the face 0. Raises InputError for values that are not usable.
     """
     force = positive_number("centrifugal_force", centrifugal_force, "N (total over both ends)")
     angle = real_number("platform_angle", platform_angle)
     friction = real_number("friction_coefficient", friction_coefficient)
-    require_allowed("platform_angle", angle, 0 <= angle < pi / 2, "from 0 to below pi/2 rad (an angle in radians)")
     require_allowed("friction_coefficient", friction, friction >= 0, "0 or above")
+    other = angle if right_platform_angle is None else real_number("right_platform_angle", right_platform_angle)
+    for name, each in (("platform_angle", angle), ("right_platform_angle", other)):
+        require_allowed(name, each, 0 <= each < pi / 2, "from 0 to below pi/2 rad (an angle in radians)")
     share = area_fraction(area, face)
-    return force / (2.0 * (cos(angle) + friction * sin(angle))) * share
+    loads = np.array(face_loads(force, (angle, other), friction))
+    return np.asarray(loads[face_index(face, share.size) % 2] * share)
 
 
 def prescribed_preload(values: ArrayLike, n_pairs: int) -> FloatArray:

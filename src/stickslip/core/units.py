@@ -29,6 +29,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "pure number": ("", "0.3"),
     "length": ("m", '"28 mm"'),
     "angle": ("rad", '"30 deg"'),
+    "mass": ("kg", '"20 g"'),
     "force": ("N", '"500 N"'),
     "pressure": ("Pa", '"197 GPa"'),
     "density": ("kg/m^3", '"7800 kg/m^3"'),

@@ -16,6 +16,7 @@ from stickslip.contact.stiffness.fractal import (
     fractal_contact,
     reduced_modulus,
 )
+from stickslip.contact.stiffness.scaled_law import ScaledStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 from stickslip.contact.stiffness.surface import SurfaceStatistics, fractal_roughness_from_sq, surface_statistics
 from stickslip.core.errors import InputError, concerning, keys_of_section
@@ -37,7 +38,7 @@ def rough_face(roughness: Roughness, section: RoughnessSection, area: float, loa
     """A rough face of ``area`` (m2) under ``load`` (N): its fractal contact, and its law against Persson's."""
     reference = section.reference_area or area
     pressure = load / area
-    fractal = fractal_contact(roughness, pressure * reference, mode=section.mode, area=reference)
+    fractal = fractal_contact(roughness, pressure * reference, mode=section.fractal_mode, area=reference)
     statistics = surface_statistics(roughness, section.sample_length, section.shortest_length)
     if not load > 0.0:
         return RoughFace(fractal, statistics, reference, None, fractal.messages)
@@ -50,15 +51,16 @@ def rough_face(roughness: Roughness, section: RoughnessSection, area: float, loa
 
 
 def law_of_section(roughness: Roughness, section: RoughnessSection, area: float) -> StiffnessLaw:
-    """The law that [roughness] names, for a face of ``area`` (m2)."""
-    return law_of_roughness(
+    """The law that [roughness] names, for a face of ``area`` (m2), times its factor."""
+    law = law_of_roughness(
         roughness,
         section.reference_area or area,
         section.law,
-        mode=section.mode,
+        mode=section.fractal_mode if section.law == "fractal" else None,
         tangential_law=section.tangential_law,
         form_length=section.form_length,
     )
+    return law if section.stiffness_factor == 1.0 else ScaledStiffness(law, section.stiffness_factor)
 
 
 def case_material(case: TwoBladeCase | OwnCase) -> Material:

@@ -53,6 +53,7 @@ def band_page(statistics: BandStatistics, title: str, inputs: str, provenance: M
         "has_peaks": has_peaks,
         "percents": [f"{percent:g} %" for percent in PERCENTILES],
         "percentiles": [_percentile_row(statistics, measure) for measure in MEASURES.values()],
+        "tractions": list(_traction_words(statistics)),
         "limits": [_limit_row(each) for each in statistics.exceedances],
         "measures": [(name, MEASURES[name].words) for name in DRAWN_MEASURES],
         "influences": [_influence_words(statistics, name) for name in DRAWN_MEASURES],
@@ -100,6 +101,11 @@ def _tiles(statistics: BandStatistics) -> Iterator[Tile]:
             low, middle, high = (_number(result.measure, value) for value in result.values)
             more = f"{low} to {high} in 90 % of {result.count} samples"
             yield Tile(f"{words}, median", middle, plots.SHOWN[result.measure.unit][1], more)
+    tractions = statistics.tractions
+    if tractions is not None:
+        ends = " to ".join(_number(MEASURES["peak_amplitude"], end) for end in (tractions.low, tractions.high))
+        more = f"with central inputs, whose peak is {_number(MEASURES['peak_amplitude'], tractions.peak)} µm"
+        yield Tile("Highest peak over residual tractions", ends, "µm", more)
     for each in statistics.exceedances:
         least, most = (_percent(end) for end in each.interval)
         more = f"{each.limit.text}; 95 % interval {least} to {most} %"
@@ -109,6 +115,30 @@ def _tiles(statistics: BandStatistics) -> Iterator[Tile]:
         place = int(np.argmax(indices.total))
         more = f"of the variance of the peak: {indices.names[place]}, with interactions"
         yield Tile("Largest influence", _percent(indices.total[place]), "%", more)
+
+
+def _traction_words(statistics: BandStatistics) -> Iterator[str]:
+    """The second band beside that of the inputs."""
+    tractions = statistics.tractions
+    if tractions is None:
+        return
+    measure = MEASURES["peak_amplitude"]
+    peak, low, high = (_number(measure, value) for value in (tractions.peak, tractions.low, tractions.high))
+    ends = (tractions.low, tractions.high)
+    changes = " to ".join(f"{100.0 * (end / tractions.peak - 1.0):+.2g} %" for end in ends)
+    yield (
+        "No sample of the inputs contains the tractions that assembly locks into the joint: each pair may have any up "
+        f"to its friction limit. With central inputs the highest peak is {peak} µm. Over extreme residual tractions it "
+        f"is {low} to {high} µm ({changes})."
+    )
+    result = statistics.percentiles["peak_amplitude"]
+    if result.count:
+        first, _, last = (_number(measure, value) for value in result.values)
+        yield f"Over the inputs alone it is {first} to {last} µm in 90 % of the samples."
+    yield (
+        "Both act together, so a real structure can be outside of each. The range over tractions is a lower bound: its "
+        "ends are solutions that a local optimisation found, for the highest peak of one output."
+    )
 
 
 def _number(measure: BandMeasure, value: float) -> str:

@@ -21,6 +21,8 @@ DRAWN_CURVES = 64  # chosen: thin lines of samples behind the band; more are a g
 DRAWN_POINTS = 40_000  # chosen: points of these lines
 SHOWN = {"m": (MICRO, "µm"), "Hz": (1.0, "Hz")}
 _BAND = "rgba(0, 114, 178, 0.22)"
+_TRACTIONS = "rgba(230, 159, 0, 0.14)"
+TRACTIONS = "residual tractions, central inputs"
 
 
 def curves(statistics: BandStatistics) -> Figure:
@@ -41,6 +43,7 @@ def curves(statistics: BandStatistics) -> Figure:
         ),
         line_trace("median", x, middle, BLUE, "solid", 2.4, hovertemplate=hover.format("median")),
     ]  # fmt: skip
+    traces += _other_tractions(statistics)
     for each in statistics.exceedances:
         if each.limit.measure.unit == "m":
             level = MICRO * each.limit.value
@@ -75,6 +78,15 @@ def _samples(statistics: BandStatistics) -> Iterator[dict[str, Any]]:
     yield trace | {"x": x, "y": y}
 
 
+def _other_tractions(statistics: BandStatistics) -> Iterator[dict[str, Any]]:
+    """The curves with extreme residual tractions and central inputs, under one name of the legend."""
+    for place, (frequency, amplitude) in enumerate(statistics.tractions.curves if statistics.tractions else ()):
+        yield line_trace(
+            TRACTIONS, frequency, MICRO * amplitude, ORANGE, "solid", 1.4, showlegend=not place, legendgroup=TRACTIONS,
+            hovertemplate=PlotMarkup("{}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>").format(TRACTIONS),
+        )  # fmt: skip
+
+
 def distribution(statistics: BandStatistics, measure: BandMeasure) -> Figure:
     """Histogram of a measure, the fraction of samples above each value, and its limits."""
     factor, unit = SHOWN[measure.unit]
@@ -98,6 +110,14 @@ def distribution(statistics: BandStatistics, measure: BandMeasure) -> Figure:
     )  # fmt: skip
     steps["line"]["shape"] = "hv"
     traces = [bars, steps]
+    if statistics.tractions is not None and measure.name == "peak_amplitude":
+        ends = factor * np.array([statistics.tractions.low, statistics.tractions.high])
+        traces.append(
+            line_trace(
+                TRACTIONS, ends.repeat(2), [0, 100, 100, 0], ORANGE, "dashdot", 1.8, yaxis="y2", fill="toself",
+                fillcolor=_TRACTIONS, hoverinfo="name",
+            )
+        )  # fmt: skip
     for each in statistics.exceedances:
         if each.limit.measure is measure:
             at = factor * each.limit.value

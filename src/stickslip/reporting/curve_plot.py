@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, broken_line, figure_of, line_trace
 from stickslip.reporting.other_words import other_lines
+from stickslip.reporting.stiffness_words import stiffness_lines
 from stickslip.reporting.style import MICRO
 from stickslip.reporting.traction_words import traction_lines
 from stickslip.reporting.view import View
@@ -46,6 +47,7 @@ def amplitude_frequency(view: View) -> Figure:
             ),
             *_curve(view),
             *_peaks_of_sweeps(view),
+            *stiffness_lines(view),
             *traction_lines(view),
             *other_lines(view),
             cursor,

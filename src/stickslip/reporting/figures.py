@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip.contact.law.loop_fit import LoopFit
 from stickslip.contact.stiffness.roughness_fit import RoughnessFit
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
@@ -183,6 +184,20 @@ def structure_function(fit: RoughnessFit) -> Figure:
         axes.loglog(MICRO * fit.lag[part], MICRO**2 * fit.fitted[part], color=INK, label=words)
     axes.set(xlabel="Lag, µm", ylabel="Structure function, µm²\nmean line removed")
     axes.legend(frameon=False)
+    return figure
+
+
+def fitted_loops(fit: LoopFit) -> Figure:
+    """Measured force over displacement, and the fit."""
+    figure, axes = one_panel(6.0, 4.2)
+    small = float(fit.cycle_amplitude.max()) < 1e-3
+    scale, unit = (MICRO, "µm") if small else (1e3, "mm")
+    along = scale * fit.displacement
+    axes.plot(along, fit.force, ".", color=ORANGE, markersize=2.0, label="measured")
+    words = "spring with play and slider" if fit.backlash else "Jenkins element"
+    axes.plot(along, fit.fitted, color=BLUE, linewidth=1.2, label=words)
+    axes.set(xlabel=f"Relative displacement, {unit}", ylabel="Force, N\noffset removed")
+    axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, 1.12), ncols=2)
     return figure
 
 

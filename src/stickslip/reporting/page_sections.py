@@ -19,6 +19,7 @@ from stickslip.reporting.mode_section import NONLINEAR_MODE
 from stickslip.reporting.other_words import OTHER_SOLUTIONS
 from stickslip.reporting.ridge_section import PEAK_RIDGE, PERFORMANCE_CURVE
 from stickslip.reporting.section import Section
+from stickslip.reporting.stiffness_words import stiffness_words
 from stickslip.reporting.stress_section import STRESS
 from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
@@ -159,10 +160,15 @@ CURVE = Section(
     "Amplitude against frequency",
     """\
   <p class="note">{{ output }}, 0-to-peak. Choose a point on the curve, or move the slider below: the figures after it
-  show that point.{% if sweeps %} {{ sweeps }}{% endif %}</p>
+  show that point.{% if sweeps %} {{ sweeps }}{% endif %}</p>{% if stiffness %}
+  <p class="note">{{ stiffness }}</p>{% endif %}
   {{ parts.panel("curve", "Amplitude against frequency") }}
 """,
-    lambda view: {"output": view.study.response_output, "sweeps": sweep_words(view)},
+    lambda view: {
+        "output": view.study.response_output,
+        "sweeps": sweep_words(view),
+        "stiffness": stiffness_words(view),
+    },
     lambda view: {"curve": amplitude_frequency(view)},
     beside='\n    <button type="button" id="scale" class="screen-only">Logarithmic axis</button>',
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +51,22 @@ MEASURES = {
 }
 
 
+@dataclass(frozen=True, eq=False)
+class TractionRange:
+    """Peaks of the case with central inputs over the residual tractions of its pairs, which are no inputs.
+
+    peak, low, high:
+        m: its highest peak, and the lowest and highest one over extreme residual tractions.
+    curves:
+        frequency in Hz and amplitude in m, 0-to-peak, of each of these tractions.
+    """
+
+    peak: float
+    low: float
+    high: float
+    curves: tuple[tuple[FloatArray, FloatArray], ...]
+
+
 @dataclass(frozen=True)
 class Percentiles:
     """Percentiles of a measure: ``values`` for each of PERCENTILES, and ``intervals`` that contain those of the
@@ -92,32 +108,36 @@ class Limit:
     value: float
 
 
+_QUANTITIES = {
+    "m": Quantity("length", example='"0.2 mm"', above=0.0),
+    "Hz": Quantity("frequency", above=0.0),
+    "Pa": Quantity("pressure", example='"300 MPa"', above=0.0),
+}
 _LIMIT = re.compile(r"\s*([\w.]+)\s*([<>])(?!=)\s*(.+?)\s*")
 
 
-def limit_of(text: str) -> Limit:
-    """A limit from its text. Raises InputError."""
+def limit_of(
+    text: str, measures: Mapping[str, BandMeasure] = MEASURES, of: str = "band", argument: str = "limits"
+) -> Limit:
+    """A limit from its text, of one of the ``measures`` ``of`` a band or design. Raises InputError."""
     match = _LIMIT.fullmatch(text)
-    names = ", ".join(MEASURES)
+    names = ", ".join(measures)
     if match is None:
         raise InputError(
             f'the limit "{text}" must be a measure, < or >, and a value with its unit, for example '
-            f'"peak_amplitude < 0.2 mm". Measures are {names}.',
-            arguments=["limits"],
+            f'"{next(iter(measures))} < 0.2 mm". Measures are {names}.',
+            arguments=[argument],
         )
-    measure = MEASURES.get(match[1])
+    measure = measures.get(match[1])
     if measure is None:
         raise InputError(
-            f'the limit "{text}" is of {match[1]}, which is not a measure of a band. Measures are {names}.',
-            arguments=["limits"],
+            f'the limit "{text}" is of {match[1]}, which is not a measure of a {of}. Measures are {names}.',
+            arguments=[argument],
         )
-    quantity = Quantity("length", example='"0.2 mm"', above=0.0)
-    if measure.unit == "Hz":
-        quantity = Quantity("frequency", above=0.0)
     try:
-        value = quantity.parse(match[3])
+        value = _QUANTITIES[measure.unit].parse(match[3])
     except InputError as error:
-        raise InputError(f'the limit "{text}": {match[3]} {error}', arguments=["limits"]) from error
+        raise InputError(f'the limit "{text}": {match[3]} {error}', arguments=[argument]) from error
     return Limit(text, measure, match[2] == "<", value)
 
 

@@ -20,6 +20,7 @@ from stickslip.results.band import (
     Exceedance,
     Limit,
     Percentiles,
+    TractionRange,
     curve_band,
     exceedance,
     percentiles,
@@ -52,6 +53,10 @@ class BandStatistics:
         of each limit.
     curve_band:
         percentiles of the curves; None if no curve is complete.
+    tractions:
+        range of the peak over residual tractions with central inputs; None if not asked for, or not computed.
+    missing_tractions:
+        why it was not computed, "" otherwise.
     """
 
     table: SweepTable
@@ -61,6 +66,8 @@ class BandStatistics:
     influences: dict[str, Influence]
     exceedances: tuple[Exceedance, ...]
     curve_band: CurveBand | None
+    tractions: TractionRange | None
+    missing_tractions: str
 
     @classmethod
     def of(
@@ -70,8 +77,9 @@ class BandStatistics:
         inputs: Sequence[tuple[str, str, str, str]],
         coordinates: Sequence[Coordinate],
         limits: Sequence[Limit],
+        tractions: TractionRange | str | None = None,
     ) -> Self:
-        """The statistics of samples."""
+        """The statistics of samples; ``tractions`` is the range over them, or why there is none."""
         complete = [curve for curve, row in zip(curves, table.rows, strict=True) if curve is not None and row.converged]
         return cls(
             table,
@@ -81,6 +89,8 @@ class BandStatistics:
             {name: influence(coordinates, measure.of(table)) for name, measure in MEASURES.items()},
             tuple(exceedance(limit, table) for limit in limits),
             curve_band(complete),
+            tractions if isinstance(tractions, TractionRange) else None,
+            tractions if isinstance(tractions, str) else "",
         )
 
     @property
@@ -112,6 +122,8 @@ class BandStatistics:
                 f"At some frequencies only {int(band.count.min())} of {count - failed} complete curves have a point; "
                 "the band there is that of these curves."
             )
+        if self.missing_tractions:
+            yield f"The range over residual tractions with central inputs was not computed: {self.missing_tractions}"
         warned = sum(bool(row.warnings) for row in self.table.rows)
         if warned:
             yield (
@@ -164,6 +176,9 @@ class BandStatistics:
             data["band_amplitude"] = (("percentile", "band_frequency_hz"), self.curve_band.amplitude_m, about)
             about = {"units": "1", "long_name": "number of complete curves"}
             data["band_count"] = (("band_frequency_hz",), self.curve_band.count, about)
+        if self.tractions is not None:
+            about = {"units": "m", "long_name": "lowest and highest peak over residual tractions, central inputs"}
+            data["traction_peak"] = (("end",), [self.tractions.low, self.tractions.high], about)
         whole = xarray.merge([self.table.to_dataset(), data])
         return whole.assign_attrs(title="Band of stickslip", remarks=" ".join(self.remarks))
 

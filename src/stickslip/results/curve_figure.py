@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION, one_panel
+from stickslip.core.plain_figure import BLUE, DOWNWARD, GREEN, GREY, INK, ORANGE, UPWARD, VERMILLION, one_panel
 from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import peaks, window_around
 from stickslip.results.side_curves import SideCurve
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 _MICRO = 1e6  # m to µm
 # Colour and width of the lines of curves beside the curve, by their common name.
 TRACTION_CURVES, OTHER_CURVES = "other residual tractions", "other solutions"
-_BESIDE = {TRACTION_CURVES: (GREY, 0.8), OTHER_CURVES: (VERMILLION, 1.8)}
+STIFFNESS_CURVES = "contact stiffness × 1/3 and × 3"
+_BESIDE = {STIFFNESS_CURVES: (GREEN, 1.0), TRACTION_CURVES: (GREY, 0.8), OTHER_CURVES: (VERMILLION, 1.8)}
 
 
 @dataclass(frozen=True)

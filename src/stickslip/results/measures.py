@@ -18,6 +18,9 @@ from stickslip.results.peaks import Peak, half_power_width, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sweeps_of_curve import Direction, Jump, largest_jump, notable_jumps, reaches
 
+# An energy imbalance below it is round-off of the sums: 1e-16 to 1e-13 on different machines.
+ROUND_OFF = 1e-12
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -210,8 +213,13 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         ("Work of the normal forces (zero except for sampling)", number(result.normal_work, 1e6, 2), "µJ per cycle"),
         ("Energy dissipated by viscous damping", number(result.viscous_energy, 1e6), "µJ per cycle"),
         ("Work of the excitation", number(result.input_energy, 1e6), "µJ per cycle"),
-        ("Largest energy imbalance on the curve", number(result.energy_imbalance, digits=2), "of input"),
+        ("Largest energy imbalance on the curve", _imbalance_words(result.energy_imbalance), "of input"),
     ]
+
+
+def _imbalance_words(value: float) -> str:
+    """An imbalance, or the limit of the round-off below which its digits say nothing."""
+    return f"below {ROUND_OFF:.0e}" if value < ROUND_OFF else f"{value:.2g}"
 
 
 def _traction_rows(result: Summary) -> Iterator[tuple[str, str, str]]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.core.validation import FloatArray, require_choice
-from stickslip.results.curve_figure import OTHER_CURVES, TRACTION_CURVES, AmplitudeCurve
+from stickslip.results.curve_figure import OTHER_CURVES, STIFFNESS_CURVES, TRACTION_CURVES, AmplitudeCurve
 from stickslip.results.linear_curves import points_between
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.periodic_motions import CURVE, PAIRS
@@ -102,6 +102,8 @@ class ForcedResponse(ResponseData):
     traction_band:
         curves with extreme residual tractions around the highest peak; None if not asked for
         (``forced_response(..., traction_band=output)``).
+    stiffness_band:
+        curves with 1/3 and 3 times the contact stiffness; None if it was not computed, or was measured.
     other_solutions:
         periodic motions that are not on the curve; None without a search (:func:`search_other_solutions`).
     nonlinear_mode:
@@ -205,7 +207,11 @@ class ForcedResponse(ResponseData):
 
     def _beside(self, output: ArrayLike) -> dict[str, tuple[SideCurve, ...]]:
         """Curves beside this one by the name that a figure gives them."""
-        named = {TRACTION_CURVES: self.traction_band, OTHER_CURVES: self.other_solutions}
+        named = {
+            STIFFNESS_CURVES: self.stiffness_band,
+            TRACTION_CURVES: self.traction_band,
+            OTHER_CURVES: self.other_solutions,
+        }
         return {name: each.curves(output) for name, each in named.items() if each is not None}
 
     def jumps(self, output: ArrayLike) -> tuple[Jump, ...]:

@@ -16,6 +16,7 @@ from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.periodic_motions import CURVE, PeriodicMotions
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
+from stickslip.results.stiffness_band import StiffnessBand
 from stickslip.results.traction_band import TractionBand
 from stickslip.results.variables import (
     Coefficients,
@@ -83,6 +84,9 @@ class ResponseData(PeriodicMotions):
         default=NO_STABILITY, metadata=stored(Text("stability of the points of the curve", optional=True))
     )
     traction_band: TractionBand | None = field(default=None, metadata=stored(InGroup.of(TractionBand, optional=True)))
+    stiffness_band: StiffnessBand | None = field(
+        default=None, metadata=stored(InGroup.of(StiffnessBand, optional=True))
+    )
     other_solutions: OtherSolutions | None = field(
         default=None, metadata=stored(InGroup.of(OtherSolutions, optional=True))
     )
@@ -107,6 +111,9 @@ class ResponseData(PeriodicMotions):
                 "traction_band.displacement", band.displacement[0], (sizes["unknown"], 2 * self.harmonics + 1)
             )
             require_shape("traction_band.traction", band.traction[0], (sizes["pair"], 2))
+        if self.stiffness_band is not None:
+            shape = sizes["unknown"], 2 * self.harmonics + 1
+            require_shape("stiffness_band.displacement", self.stiffness_band.displacement[0], shape)
         limit = (self.linear.frequency_hz.size, sizes["unknown"], 2 * self.harmonics + 1)
         require_shape("linear.stuck", self.linear.stuck, limit)
         require_shape("linear.free", self.linear.free, limit)

@@ -205,7 +205,11 @@ def _modes(study: StudyRecord) -> Table:
 def _side_curves(response: ForcedResponse, study: StudyRecord) -> Iterator[Table]:
     """Curves with extreme tractions, and motions that are not on the curve."""
     row = study.outputs[study.response_output]
-    sides = {"residual_tractions": response.traction_band, "other_solutions": response.other_solutions}
+    sides = {
+        "stiffness_band": response.stiffness_band,
+        "residual_tractions": response.traction_band,
+        "other_solutions": response.other_solutions,
+    }
     for name, side in sides.items():
         curves = () if side is None else side.curves(row)
         columns = (

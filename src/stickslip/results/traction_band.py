@@ -20,10 +20,11 @@ class TractionBand(SideCurves):
     """Curves with the extreme residual tractions that friction at rest allows, ``|T0| <= mu * normal_load`` at a pair.
 
     The first curve has no traction at rest (and retains that: ``residual_traction = 0``), the others have those that
-    raise and lower the peak of one output most and move its outermost folds most, to first order about computed curves.
-    Each curve is a solution. Other tractions can lie outside where the curve depends on them far from linearly; the
-    normal loads at rest are the same for all tractions, and what vibration itself leaves in a stuck pair between two
-    frequencies is not a traction at rest.
+    raise and lower the peak of one output most and move its outermost folds most, to first order about computed curves,
+    and those that a local optimisation of the peak from several starts found beyond them.
+    Each curve is a solution, so the true band is at least as wide. Other tractions can be outside, because the
+    optimisation is local; the normal loads at rest are the same for all tractions, and what vibration itself leaves in
+    a stuck pair between two frequencies is not a traction at rest.
 
     Parameters
     ----------
@@ -31,6 +32,8 @@ class TractionBand(SideCurves):
         as in :class:`SideCurves`; the curves cover the frequencies around the highest peak.
     traction:
         (n_curves, n_pairs, 2) N along t1, t2 at rest; zero for pairs of other laws than Coulomb's.
+    raised_peaks, lowered_peaks:
+        (k,) m, the local extremes of the peak from each start of the optimisation; None without one.
     """
 
     DATASET_TITLE: ClassVar[str] = "Curves with extreme residual tractions"
@@ -39,9 +42,22 @@ class TractionBand(SideCurves):
         metadata=stored(Numbers(("side_curve", "side_pair", "tangent"), "N", "traction at rest"))
     )
 
+    raised_peaks: FloatArray | None = field(
+        default=None,
+        metadata=stored(Numbers(("raising_start",), "m", "local maximum of the peak from each start", optional=True)),
+    )
+    lowered_peaks: FloatArray | None = field(
+        default=None,
+        metadata=stored(Numbers(("lowering_start",), "m", "local minimum of the peak from each start", optional=True)),
+    )
+
     def _sizes(self, shape: tuple[int, ...]) -> dict[str, int]:
         pairs = np.shape(self.traction)[1] if np.ndim(self.traction) == 3 else 0
-        return {**super()._sizes(shape), "side_pair": pairs, "tangent": 2}
+        starts = {
+            name: 0 if values is None else np.size(values)
+            for name, values in (("raising_start", self.raised_peaks), ("lowering_start", self.lowered_peaks))
+        }
+        return {**super()._sizes(shape), "side_pair": pairs, "tangent": 2, **starts}
 
     def __repr__(self) -> str:
         early = int((~self.complete).sum())
@@ -52,9 +68,14 @@ class TractionBand(SideCurves):
         )
 
     def peak_range(self, output: ArrayLike, harmonic: int | None = None) -> tuple[float, float]:
-        """Lowest and highest peak of the curves, as amplitudes of an output (:meth:`curves`). Raises InputError."""
-        tops = [peaks(each.frequency_hz, each.amplitude)[0].amplitude for each in self.curves(output, harmonic)]
-        return min(tops), max(tops)
+        """Lowest and highest peak of the curves, as amplitudes of an output (:meth:`curves`). Raises InputError.
+
+        The lowest is that of complete curves, if there are any: one that ends early may end below its peak.
+        """
+        curves = self.curves(output, harmonic)
+        tops = [peaks(each.frequency_hz, each.amplitude)[0].amplitude for each in curves]
+        whole = [top for top, each in zip(tops, curves, strict=True) if each.complete]
+        return min(whole or tops), max(tops)
 
     def jump_range_hz(self, direction: Direction, output: ArrayLike) -> tuple[float, float] | None:
         """Lowest and highest frequency at which a slow sweep "up" or "down" jumps most; None if no curve has a jump.

@@ -20,7 +20,7 @@ from stickslip.solve.harmonic.curve_warnings import curve_warnings, excursion_wa
 from stickslip.solve.harmonic.energy import CurveMeasures, measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
-from stickslip.solve.harmonic.neglected import CurveAccuracy
+from stickslip.solve.harmonic.neglected import CurveAccuracy, more_harmonics
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.retreats import Crossing
 from stickslip.solve.path.stepping import Accepted, BranchPoint, Corner, Retreat
@@ -29,8 +29,6 @@ from stickslip.solve.stability.curve import CurveStability, curve_stability, rea
 
 # Reported fraction of the work at the end of the window: energies, checks and linear limits follow.
 LARGEST_FRACTION = 0.99
-# The check of the resolution doubles the harmonics, and adds at least this number; chosen: two odd and two even ones.
-LEAST_CUT_OFF = 4
 # A point with a larger fraction of unbalanced forces is not a result. This is half of the limit of the sampling check
 # (checks.LARGEST_SAMPLE_RESIDUAL), so that the error of the arithmetic is below that of the discretisation.
 LARGEST_UNBALANCE = 1e-3
@@ -110,7 +108,8 @@ def response_of(
         if not end:
             raise ConvergenceError(message)
         converged, trials, measures = False, trials[:end], measures.first(end)
-    fine = balances.with_harmonics(harmonics + max(harmonics, LEAST_CUT_OFF), 2 * balances.samples)
+    doubled = 2 * balances.samples
+    fine = balances.with_harmonics(more_harmonics(harmonics, doubled, balances.damped_harmonics), doubled)
     check = check_resolution(balance, fine, trials, accuracy)
     report.stage("stability of the points")
     reason = no_stability or reason_without(balance.pairs)

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import with_rows
+from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
@@ -32,6 +33,9 @@ SETTLED, LONGEST = 1e-3, 8
 HORIZON = 3 * LONGEST
 # chosen: distance of the time integration from the last point of the curve, over the range.
 BESIDE = 1e-4
+# chosen: a settled motion is also looked for with so many times the harmonics, if the equations have no more rows than
+# this; a solution farther from it than this fraction is another motion.
+MORE_HARMONICS, MOST_ROWS, SAME = (1, 2, 4, 8), 12_000, 0.05
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,9 @@ class Evidence:
         distance of the last period from the motion at the last point of the curve, relative; None from rest.
     repeats_after:
         smallest number of periods after which the motion repeats; None if none up to LONGEST does.
+    tried, given_by:
+        largest number of harmonics with which a settled motion was looked for, None without a search; the number that
+        gives it, None if none does.
     """
 
     frequency_hz: float
@@ -53,6 +60,8 @@ class Evidence:
     change: float
     difference: float | None
     repeats_after: int | None
+    tried: int | None = None
+    given_by: int | None = None
 
     def words(self) -> str:
         """One sentence."""
@@ -60,9 +69,14 @@ class Evidence:
         begin = f"A time integration from {start}, at {self.frequency_hz:.3f} Hz,"
         if self.repeats_after == 1:
             away = "" if self.difference is None else f", {100.0 * self.difference:.2g} % away from that point"
+            settles = f"{begin} settles within {self.periods} periods on a motion with the period of the force{away}"
+            if self.tried is None:
+                return f"{settles}: more harmonics and samples may find it."
+            if self.given_by is None:
+                return f"{settles}. No number of harmonics up to {self.tried} gives it: more do not help here."
             return (
-                f"{begin} settles within {self.periods} periods on a motion with the period of the force{away}: more "
-                "harmonics and samples may find it."
+                f"{settles}. {self.given_by} harmonics give it: run again with harmonics = {self.given_by}, or with an "
+                "accuracy."
             )
         if self.repeats_after:
             return f"{begin} ends in a motion that repeats only after {self.repeats_after} periods of the force."
@@ -134,7 +148,25 @@ class Settling:
             difference = float(np.linalg.norm(found - known) / np.linalg.norm(known))
         change = float(motion.period_change[-1])
         repeats = 1 if motion.converged else self._repeats_after(motion)
-        return Evidence(omega / (2.0 * np.pi), motion.period_change.size, change, difference, repeats)
+        tried, given_by = self._harmonics_of(motion, omega) if repeats == 1 else (None, None)
+        return Evidence(omega / (2.0 * np.pi), motion.period_change.size, change, difference, repeats, tried, given_by)
+
+    def _harmonics_of(self, motion: TransientResponse, omega: float) -> tuple[int | None, int | None]:
+        """Most harmonics with which a settled motion was looked for, and the fewest of them that give it."""
+        balances, tried = self._balances, None
+        for multiple in MORE_HARMONICS:
+            harmonics = multiple * self._harmonics
+            rows = 3 * balances.pairs.n_pairs * (2 * harmonics + 1)
+            if SAMPLES_PER_HARMONIC * harmonics > balances.samples or rows > MOST_ROWS:
+                break
+            tried, guess = harmonics, self._in_time.unknowns(motion, harmonics)
+            curve = FrequencyCurve(balances.with_harmonics(harmonics))
+            newton = Newton(curve, self._newton.settings, self._newton.on_iteration)
+            point = at_frequency(newton, curve, guess, omega).point
+            away = float(np.linalg.norm(point.unknowns[1:] - guess[1:]))
+            if point.error <= newton.settings.tolerance and away <= SAME * float(np.linalg.norm(guess[1:])):
+                return tried, harmonics
+        return tried, None
 
     def _repeats_after(self, motion: TransientResponse) -> int | None:
         """See :func:`repeats_after`; the place of a body that may walk does not count."""

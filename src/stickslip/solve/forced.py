@@ -34,7 +34,7 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.pieces import Pieces
 from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
-from stickslip.solve.traction_band import TractionBandSearch, checked_band_output
+from stickslip.solve.traction_band import DEFAULT_STARTS, TractionBandSearch, checked_band_output
 from stickslip.structure.superelement import Superelement
 
 # The number of harmonics if neither it nor an accuracy is given.
@@ -57,6 +57,7 @@ def forced_response(
     newton: NewtonSettings | None = None,
     continuation: ContinuationSettings | None = None,
     traction_band: ArrayLike | None = None,
+    traction_starts: int = DEFAULT_STARTS,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> ForcedResponse:
@@ -95,6 +96,8 @@ def forced_response(
     traction_band:
         row (n,) of an output: compute how far the curve around the peak of this output can move with the residual
         tractions of its pairs (``response.traction_band``), several times as long as the curve itself takes.
+    traction_starts:
+        random tractions from which the band is optimised, beside zero and the extreme ones to first order.
     threads:
         threads of the linear algebra, used where the joint is large enough; None takes the environment variable
         STICKSLIP_THREADS, or else the usable cores, at most 4.
@@ -118,12 +121,13 @@ def forced_response(
     window = checked_window(frequency_hz)
     threads = thread_count(threads)
     excitation = as_excitation(excitation, force_sin, force_cos)
+    whole_number("traction_starts", traction_starts, 0)
     band_output = None if traction_band is None else checked_band_output(pairs, traction_band, superelement.size)
     newton = newton or NewtonSettings()
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
-    least = _least_harmonics(harmonics, accuracy, samples, excitation)
+    least = least_harmonics(harmonics, accuracy, samples, excitation)
     with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
         balances = prepare_balances(
             superelement, pairs, excitation, max(start_omega, stop_omega), least, samples, modal_damping_ratio,
@@ -171,7 +175,9 @@ def forced_response(
             points: Sequence[BalancePoint] = [each.point for each in pieces.points]
             response = finished(pieces, solver, curve.balance)
         else:
-            varying = HarmonicsByAccuracy(balances.with_harmonics, accuracy, least, samples, newton, report.iteration)
+            varying = HarmonicsByAccuracy(
+                balances.with_harmonics, accuracy, least, samples, newton, report.iteration, balances.damped_harmonics
+            )
 
             def by_accuracy(point: BalancePoint, stop: float) -> Branch[VaryingPoint]:
                 return varying.follow(point, stop, settings, listen, resonances)
@@ -182,7 +188,7 @@ def forced_response(
         if band_output is not None:
             search = TractionBandSearch(
                 balances, response.harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings,
-                report,
+                report, traction_starts,
             )  # fmt: skip
             response = replace(response, traction_band=search.band(points))
             response = replace(response, warnings=(*response.warnings, *search.warnings))
@@ -190,7 +196,7 @@ def forced_response(
     return replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | seconds)
 
 
-def _least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:
+def least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:
     """The harmonics of the solution, or the fewest of it with an accuracy. Raises InputError."""
     if accuracy is None:
         return DEFAULT_HARMONICS if harmonics is None else harmonics

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.core.errors import ConvergenceError
 from stickslip.core.fourier import with_rows
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.checks import LARGEST_SAMPLE_RESIDUAL, sample_residual
@@ -35,39 +37,81 @@ def sample_warnings(points: Sequence[ModePoint], curve: ModeCurve, fine: Balance
     )
 
 
-def harmonics_warnings(points: Sequence[ModePoint], fine: ModeCurve, settings: NewtonSettings) -> tuple[str, ...]:
-    """A warning where the mode with the harmonics of ``fine`` has another frequency or damping ratio.
+@dataclass(frozen=True)
+class HarmonicsChange:
+    """Relative changes of frequency and damping ratio by more harmonics, at a point with a name."""
 
-    Three points are solved again at their amplitude: those of the largest damping ratio, of the largest amplitude, and
-    between both along the branch.
+    frequency: float
+    damping: float
+    name: str
+
+    def over(self, damping: float) -> float:
+        """The larger of the changes over what is allowed: this change of the damping ratio, and as much of the
+        frequency as ``LARGEST_FREQUENCY_CHANGE`` has of ``LARGEST_RATIO_CHANGE``."""
+        frequency = damping * LARGEST_FREQUENCY_CHANGE / LARGEST_RATIO_CHANGE
+        return max(self.frequency / frequency, self.damping / damping)
+
+
+def largest_change(
+    points: Sequence[ModePoint], fine: ModeCurve, settings: NewtonSettings, count: int, allowed: float
+) -> HarmonicsChange:
+    """The largest change by the harmonics of ``fine``, measured by an ``allowed`` change of the damping ratio.
+
+    Points are solved again at their amplitude: those of the largest damping ratio and of the largest amplitude, the one
+    between both along the branch, and ``count`` along the whole branch. Raises ConvergenceError.
     """
     ratio = [point.trial.growth / point.trial.omega for point in points]
     ends = int(np.argmax(ratio)), int(np.argmax([point.modal_amplitude for point in points]))
-    changes = []
-    for index in sorted({*ends, sum(ends) // 2}):
+    along = np.linspace(0, len(points) - 1, count).round().astype(int).tolist()
+    changes = [HarmonicsChange(0.0, 0.0, "")]
+    for index in sorted({*ends, sum(ends) // 2, *along}):
         point = points[index]
-        moving = point.trial.contact.moves.any()
-        if not moving:
+        if not point.trial.contact.moves.any():
             continue
         start = fine.evaluate(with_rows(point.unknowns, 2 * fine.balance.harmonics + 1), point.parameters)
         correction = Newton(fine, settings).correct(start, Plane.fixed(start.unknowns, float(point.parameters[0])))
-        again = correction.point.trial
-        name = fine.named(float(point.parameters[0]))
+        again, name = correction.point.trial, fine.named(float(point.parameters[0]))
         if not correction.converged:
-            return (
-                f"The harmonics were not checked: the solver found no mode with {fine.balance.harmonics} harmonics at "
-                f"{name}. Compare with a run that has more harmonics.",
-            )
+            raise ConvergenceError(f"the solver found no mode with {fine.balance.harmonics} harmonics at {name}.")
         frequency = abs(again.omega / point.trial.omega - 1.0)
         damping = abs(again.growth / again.omega - ratio[index]) / max(abs(ratio[index]), 1e-300)
-        worst = max(frequency / LARGEST_FREQUENCY_CHANGE, damping / LARGEST_RATIO_CHANGE)
-        changes.append((worst, frequency, damping, name))
-    if not changes or max(changes)[0] <= 1.0:
+        changes.append(HarmonicsChange(frequency, damping, name))
+    return max(changes, key=lambda change: change.over(allowed))
+
+
+def harmonics_warnings(points: Sequence[ModePoint], fine: ModeCurve, settings: NewtonSettings) -> tuple[str, ...]:
+    """A warning where the mode with the harmonics of ``fine`` has another frequency or damping ratio at three points:
+    those of the largest damping ratio, of the largest amplitude, and between both along the branch."""
+    try:
+        change = largest_change(points, fine, settings, 0, LARGEST_RATIO_CHANGE)
+    except ConvergenceError as error:
+        return (f"The harmonics were not checked: {error} Compare with a run that has more harmonics.",)
+    if change.over(LARGEST_RATIO_CHANGE) <= 1.0:
         return ()
-    _, frequency, damping, name = max(changes)
     return (
-        f"Too few harmonics: {fine.balance.harmonics} instead of {fine.balance.harmonics - 2} change the frequency by "
-        f"{100 * frequency:.2g} % and the damping ratio by {100 * damping:.2g} % of its value, at {name} (required: "
-        f"below {100 * LARGEST_FREQUENCY_CHANGE:g} % and {100 * LARGEST_RATIO_CHANGE:g} %). Run again with harmonics = "
-        f"{fine.balance.harmonics}.",
+        f"Too few harmonics: {_changed(change, fine.balance.harmonics, fine.balance.harmonics - 2)} (required: below "
+        f"{100 * LARGEST_FREQUENCY_CHANGE:g} % and {100 * LARGEST_RATIO_CHANGE:g} %). Run again with harmonics = "
+        f"{fine.balance.harmonics}, or with an accuracy.",
+    )
+
+
+def accuracy_warnings(change: HarmonicsChange | str, accuracy: float, harmonics: int) -> tuple[str, ...]:
+    """A warning where the ``harmonics`` of a mode do not reach its accuracy; ``change`` is that by twice as many, or
+    why they could not be solved."""
+    if isinstance(change, str):
+        found = change
+    elif change.over(accuracy) <= 1.0:
+        return ()
+    else:
+        found = f"{_changed(change, 2 * harmonics, harmonics)}."
+    return (
+        f"The accuracy of {100 * accuracy:.3g} % was not reached with {harmonics} harmonics: {found} Frequency and "
+        "damping ratio of the mode are uncertain there; more samples allow more harmonics.",
+    )
+
+
+def _changed(change: HarmonicsChange, finer: int, harmonics: int) -> str:
+    return (
+        f"{finer} instead of {harmonics} change the frequency by {100 * change.frequency:.2g} % and the "
+        f"damping ratio by {100 * change.damping:.2g} % of its value, at {change.name}"
     )

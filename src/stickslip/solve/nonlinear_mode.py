@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -15,12 +15,13 @@ from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import ProgressCallback
+from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 from stickslip.core.threads import blas_threads, thread_count
 from stickslip.core.validation import FloatArray
 from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode
 from stickslip.solve.curve_result import LARGEST_FRACTION, LARGEST_UNBALANCE, fields_of
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.forced import least_harmonics
 from stickslip.solve.harmonic.curve_warnings import motion_warnings
 from stickslip.solve.harmonic.energy import measure_curve, work_per_cycle
 from stickslip.solve.harmonic.mode_curve import ModeCurve, ModePoint
@@ -33,8 +34,16 @@ from stickslip.solve.harmonic.mode_shapes import (
     sliding_limit,
     step_warnings,
 )
-from stickslip.solve.linear_mode import Limit, LinearMode, checked_amplitudes
-from stickslip.solve.mode_checks import harmonics_warnings, sample_warnings
+from stickslip.solve.harmonic.varying_harmonics import LADDER
+from stickslip.solve.linear_mode import Limit, LinearMode, checked_amplitudes, require_allowed_amplitude
+from stickslip.solve.mode_checks import (
+    CHECKED_POINTS,
+    HarmonicsChange,
+    accuracy_warnings,
+    harmonics_warnings,
+    largest_change,
+    sample_warnings,
+)
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
@@ -57,7 +66,8 @@ def nonlinear_mode(
     amplitude: tuple[float, float],
     *,
     limit: Limit = "stuck",
-    harmonics: int = 5,
+    harmonics: int | None = None,
+    accuracy: float | None = None,
     samples: int = 256,
     modal_damping_ratio: float | None = None,
     update: Update = "tractrix",
@@ -74,13 +84,19 @@ def nonlinear_mode(
 
     Parameters
     ----------
-    superelement, pairs, harmonics, samples, modal_damping_ratio, update, newton, continuation, threads, progress:
+    superelement, pairs, samples, modal_damping_ratio, update, newton, continuation, threads, progress:
         as in :func:`forced_response`; steps of the continuation are fractions of the range of the logarithm of the
         amplitude, and of the shape.
     mode:
         number of a linear mode from 1, in the order of their frequencies. Bodies that move freely are no modes.
     amplitude:
         (lowest, highest) modal amplitude, m kg^(1/2): mass norm of the first harmonic of the motion.
+    harmonics:
+        harmonics of the motion, 5 if neither they nor ``accuracy`` are given.
+    accuracy:
+        instead of ``harmonics``: the whole mode is computed again with more harmonics until twice as many change its
+        damping ratio by at most this fraction of it, and its frequency by a twentieth of this fraction, at points along
+        the branch; for example 0.005. A warning reports where that was not reached.
     limit:
         "stuck": the mode is counted with all pairs that are closed at rest stuck, and the branch starts at the lowest
         amplitude. "sliding": it is counted with these pairs in contact without friction, and the branch starts at the
@@ -94,32 +110,113 @@ def nonlinear_mode(
     Raises
     ------
     InputError
-        for inputs that cannot be used, such as a mode that does not exist. ConvergenceError if there is no first point.
+        for inputs that cannot be used, such as a mode that does not exist, or an amplitude at which a law has no
+        restoring force. ConvergenceError if there is no first point.
     """
     began = time.perf_counter()
     lowest, highest = checked_amplitudes(amplitude)
     threads = thread_count(threads)
     newton = newton or NewtonSettings()
     report = StageReport(progress)
+    with_load = Excitation.force(np.ones(superelement.size))  # any of one harmonic
+    least = least_harmonics(harmonics, accuracy, samples, with_load)
     with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
         report.stage("linear modes")
         start = LinearMode.of(superelement, pairs, mode, limit)
+        require_allowed_amplitude(pairs, start, highest)
         balances = prepare_balances(
-            superelement, pairs, Excitation.force(superelement.mass @ start.load_shape), start.omega, harmonics,
+            superelement, pairs, Excitation.force(superelement.mass @ start.load_shape), start.omega, least,
             samples, modal_damping_ratio, update, report.stage,
         )  # fmt: skip
-        balance = balances.with_harmonics(harmonics)
-        curve = ModeCurve(balance, start.load_mode, _own_damping(balances, start.load_mode), start.omega)
         ends = (lowest, highest) if limit == "stuck" else (highest, lowest)
-        solver = Newton(curve, newton, report.iteration)
-        report.stage("first point")
-        point = _first_point(solver, curve, balances, start, math.log10(ends[0]), 1.0 if limit == "sliding" else -1.0)
-        branch = Branch(solver, point, math.log10(ends[1]), continuation or STEPS, _follower(ends, report))
-        branch.follow()
-        result = _result(branch, balances, balance, curve, start, newton, report)
+        steps = continuation or STEPS
+
+        def followed(count: int) -> _Followed:
+            return _follow(balances, start, count, ends, newton, steps, report)
+
+        if accuracy is None:
+            mode_branch = followed(least)
+            report.stage("check of the harmonics")
+            # Two more: a symmetric motion has only odd or only even ones besides.
+            doubts = harmonics_warnings(mode_branch.points, mode_branch.with_harmonics(balances, least + 2), newton)
+        else:
+            mode_branch, doubts = _by_accuracy(followed, balances, accuracy, least, newton, report)
+        result = _result(mode_branch, balances, start, doubts, report)
     provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
-    options = {"amplitude_start": ends[0], "amplitude_stop": ends[1], "newton_tolerance": newton.tolerance}
+    options = {
+        **({} if accuracy is None else {"accuracy": accuracy}),
+        "amplitude_start": ends[0],
+        "amplitude_stop": ends[1],
+        "newton_tolerance": newton.tolerance,
+    }
     return replace(result, settings={**result.settings, **options}, provenance=provenance)
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """A branch and its equations."""
+
+    branch: Branch[ModePoint]
+    curve: ModeCurve
+
+    @property
+    def points(self) -> list[ModePoint]:
+        return [each.point for each in self.branch.points]
+
+    def with_harmonics(self, balances: Balances, count: int) -> ModeCurve:
+        """The equations with another number of harmonics."""
+        samples = max(balances.samples, SAMPLES_PER_HARMONIC * count)
+        return self.curve.with_balance(balances.with_harmonics(count, samples))
+
+
+def _follow(
+    balances: Balances, start: LinearMode, harmonics: int, ends: tuple[float, float], newton: NewtonSettings,
+    steps: ContinuationSettings, report: StageReport,
+) -> _Followed:  # fmt: skip
+    """The branch from one amplitude to another, with a number of harmonics. Raises ConvergenceError."""
+    balance = balances.with_harmonics(harmonics)
+    curve = ModeCurve(balance, start.load_mode, _own_damping(balances, start.load_mode), start.omega)
+    solver = Newton(curve, newton, report.iteration)
+    report.stage("first point")
+    away = 1.0 if start.limit == "sliding" else -1.0
+    point = _first_point(solver, curve, balances, start, math.log10(ends[0]), away)
+    branch = Branch(solver, point, math.log10(ends[1]), steps, _follower(ends, report))
+    branch.follow()
+    return _Followed(branch, curve)
+
+
+def _by_accuracy(
+    followed: Callable[[int], _Followed], balances: Balances, accuracy: float, least: int, newton: NewtonSettings,
+    report: StageReport,
+) -> tuple[_Followed, tuple[str, ...]]:  # fmt: skip
+    """The branch with the fewest harmonics that reach an accuracy, or with the most that have a branch, with a warning.
+
+    Twice the harmonics are the reference: two more can change little where the harmonics decay slowly. Raises
+    ConvergenceError if no number of harmonics has a first point.
+    """
+    reached: tuple[_Followed, tuple[str, ...]] | None = None
+    failed: ConvergenceError | None = None
+    ladder = [least, *(each for each in LADDER if least < each <= balances.samples // SAMPLES_PER_HARMONIC)]
+    for count in ladder:
+        try:
+            mode_branch = followed(count)
+        except ConvergenceError as error:
+            failed = error
+            continue
+        report.stage(f"check of {count} harmonics")
+        try:
+            change: HarmonicsChange | str = largest_change(
+                mode_branch.points, mode_branch.with_harmonics(balances, 2 * count), newton, CHECKED_POINTS, accuracy
+            )
+        except ConvergenceError as error:
+            change = str(error)
+        reached = mode_branch, accuracy_warnings(change, accuracy, count)
+        if not reached[1]:
+            break
+    if reached is None:
+        assert failed is not None  # the ladder has at least one number
+        raise failed
+    return reached
 
 
 def _own_damping(balances: Balances, mode: int) -> float:
@@ -187,13 +284,13 @@ def _follower(
 
 
 def _result(
-    branch: Branch[ModePoint], balances: Balances, balance: Balance, curve: ModeCurve, start: LinearMode,
-    newton: NewtonSettings, report: StageReport,
-) -> NonlinearMode:  # fmt: skip
+    followed: _Followed, balances: Balances, start: LinearMode, doubts: tuple[str, ...], report: StageReport
+) -> NonlinearMode:
     """The labelled result of a branch: energies, shapes, checks and warnings."""
     report.stage("energies and checks of the mode")
     superelement, stuck = balances.superelement, balances.stuck
-    points = [each.point for each in branch.points]
+    branch, curve, points = followed.branch, followed.curve, followed.points
+    balance = curve.balance
     # The load of the balance stands for the inertia of the mode; it is no excitation.
     trials = [replace(point.trial, load=0.0) for point in points]
     measures = measure_curve(trials, lambda harmonics: balance, superelement, stuck)
@@ -222,8 +319,6 @@ def _result(
     sliding_hz = sliding.natural_hz[~sliding.rigid][:listed]
     macs, linear_hz = (shapes.stuck, stuck_hz) if start.limit == "stuck" else (shapes.sliding, sliding_hz)
     fine = balances.with_harmonics(balance.harmonics, 2 * balance.samples)
-    # Two more: a symmetric motion has only odd or only even ones besides.
-    more = balances.with_harmonics(balance.harmonics + 2, max(balance.samples, 4 * (balance.harmonics + 2)))
     motion, _ = balances.motion(trials, measures.displacement)
     return NonlinearMode(
         modal_amplitude=amplitude,
@@ -242,7 +337,7 @@ def _result(
         warnings=(
             *motion_warnings(balance, trials, measures),
             *sample_warnings(points, curve, fine),
-            *harmonics_warnings(points, curve.with_balance(more), newton),
+            *doubts,
             *exchange_warnings(macs, frequency_hz, linear_hz, start.number, start.limit),
             *step_warnings(shapes.step, frequency_hz, amplitude),
             *fold_warnings(amplitude),

@@ -24,12 +24,15 @@ from stickslip.solve.equation_change import ChangedEquation
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import as_excitation
 from stickslip.solve.harmonic.balance import Balance
-from stickslip.solve.harmonic.curve_at_peak import CurveAtPeak, CurvePlace
+from stickslip.solve.harmonic.curve_at_peak import TANGENT_TOLERANCE, CurveAtPeak, CurvePlace
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.factors import LastFactor
+from stickslip.solve.harmonic.peak import BoundedCurve, CurvePeak, PeakSearch
 from stickslip.solve.harmonic.peak_values import frequency, friction_energy
 from stickslip.solve.harmonic.walk import walking_points
 from stickslip.solve.parameters import Parameter, parameters_of
-from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Step
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.solve.solver_input import SolverInput
 from stickslip.structure.superelement import Superelement
@@ -42,6 +45,8 @@ SPACING = 0.05
 LEAST_SAMPLES = 2048
 # Tolerance of points at a peak: derivatives amplify their error by the sharpness of the peak.
 TOLERANCE = 1e-11
+# chosen: a peak is searched within this factor of the frequency of the highest point.
+WITHIN = 1.5
 # A friction energy below this fraction of the kinetic energy is round-off of pairs that stick.
 ROUND_OFF = 1e-12
 # chosen: a message reports an estimated error above this fraction of a derivative by which a change of the parameter by
@@ -60,11 +65,11 @@ class RefinedPeak:
     def of(
         cls, balance: Balance, output: FloatArray, around: Sequence[BalancePoint], spacing: float = SPACING
     ) -> RefinedPeak:
-        """The peak between the first and the last of three points. Raises ConvergenceError."""
-        curve = CurveAtPeak(balance, output, around, NewtonSettings(tolerance=TOLERANCE))
-        top, width = curve.peak()
-        distance = spacing * width
-        places = tuple(top if step == 0 else curve.at(top.place + step * distance) for step in range(-2, 3))
+        """The peak near the middle of three points. Raises ConvergenceError."""
+        newton = NewtonSettings(tolerance=TOLERANCE)
+        curve = CurveAtPeak(balance, output, _exact_peak(balance, output, around, newton), newton)
+        distance = spacing * curve.width
+        places = tuple(curve.at(step * distance) if step else curve.top for step in range(-2, 3))
         peak = cls(places, distance)
         if not peak.along([place.slope for place in places]) < 0.0:
             raise ConvergenceError("the amplitude has no maximum of second order at the peak.")
@@ -75,6 +80,19 @@ class RefinedPeak:
         """The peak."""
         return self.places[len(self.places) // 2]
 
+    def corners(self) -> Iterator[str]:
+        """A sentence if pairs change their state close to the peak."""
+        states = np.array([place.point.trial.contact.state for place in self.places])
+        changing = int((states != states[0]).any(axis=0).sum())
+        if changing:
+            hertz = [place.point.trial.omega / (2.0 * np.pi) for place in self.places]
+            yield (
+                f"{changing} of {states.shape[1]} pairs change between sticking, slipping and separating close to the "
+                f"peak, between {min(hertz):.3f} and {max(hertz):.3f} Hz: the curve can have a corner beside the peak, "
+                "and derivatives can differ on its two sides. Compute the peak again with a changed value before you "
+                "use them for a larger change."
+            )
+
     def along(self, values: Sequence[float] | FloatArray) -> FloatArray:
         """Derivative along the curve of values (5, ...) at the places, by central differences of fourth order."""
         before2, before, _, after, after2 = values
@@ -83,6 +101,28 @@ class RefinedPeak:
     def along_outer(self, values: Sequence[float] | FloatArray) -> FloatArray:
         """The same by the outer two places alone, of second order, as a check."""
         return np.asarray((values[4] - values[0]) / (4.0 * self.spacing))
+
+
+def _exact_peak(
+    balance: Balance, output: FloatArray, around: Sequence[BalancePoint], newton: NewtonSettings
+) -> CurvePeak:
+    """The peak near the middle of three points of a curve, or near the curve. Raises ConvergenceError."""
+    before, middle, after = around
+    omega, last = middle.trial.omega, LastFactor()
+    curve = BoundedCurve(balance, last, (omega / WITHIN, omega * WITHIN))
+    search = PeakSearch(
+        curve, Newton(curve, newton), output, lambda trial: output, last, tangent_tolerance=TANGENT_TOLERANCE
+    )
+    across = Step(after.unknowns - before.unknowns, after.parameters - before.parameters, middle.trial.deviation)
+    found = search.from_estimate(middle.unknowns, omega, across, -1.0)
+    if not isinstance(found, str):
+        found = search.exact(found)
+    if isinstance(found, str):
+        raise ConvergenceError(
+            f"the peak near {curve.named(omega)} has no derivative, because {found}. If the points of the curve are "
+            "far apart there, use a smaller largest_step; more samples may resolve a corner."
+        )
+    return found
 
 
 @dataclass(frozen=True)
@@ -98,7 +138,7 @@ class PeakSensitivity:
 
     def __init__(self, balances: Balances, base: SolverInput, peak: RefinedPeak) -> None:
         top, output = peak.top, base.output
-        self._peak, trial = peak, top.point.trial
+        self.peak, trial = peak, top.point.trial
         self._others = frequency(trial), friction_energy(trial)
         adjoints = [Adjoint.of(place, place.amplitude, balances, output) for place in peak.places]
         adjoints += [Adjoint.of(top, value, balances, output) for value in self._others]
@@ -126,7 +166,7 @@ class PeakSensitivity:
         across zero by a sample, the rest of the slope enters. The place of the peak, where ``a'(s, p) = 0``, moves by
         ``-(da'/dp) / a''``.
         """
-        peak, top = self._peak, self._peak.top
+        peak, top = self.peak, self.peak.top
         amplitude = at_places[:5]
         moves = -peak.along(amplitude) / self._bends[0], -peak.along_outer(amplitude) / self._bends[1]
         along = np.array([top.slope, *(top.along(value) for value in self._others)])
@@ -294,6 +334,7 @@ def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], repor
         )
     by = np.array([each.value for each in found]).reshape(-1, 3).T
     errors = np.array([each.error for each in found]).reshape(-1, 3).T
+    messages += sensitivity.peak.corners()
     return PeakGradients(
         names=tuple(each.name for each in differentiated),
         units=tuple(each.unit for each in differentiated),

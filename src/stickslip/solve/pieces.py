@@ -112,6 +112,9 @@ class Pieces(Generic[BalancePointT]):
             if onward is None:
                 return self
             branch = onward
+        if not branch.complete:
+            evidence = self._settling.evidence(self.points[-1].point, self._direction * self._width)
+            self.message = f"{branch.message} {evidence.words()}" if evidence else branch.message
         self.complete = branch.complete and self._left_out <= LARGEST_GAP * self._width
         if branch.complete and not self.complete:
             self.message = (

@@ -16,7 +16,6 @@ from stickslip.results.peak_ridge import PeakRidge, log_interpolated
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.balance import relative_norm
 from stickslip.solve.harmonic.curves import BalancePoint
-from stickslip.solve.harmonic.peak import PeakSearch
 from stickslip.solve.path.problem import Plane
 from stickslip.solve.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
@@ -146,7 +145,7 @@ class RidgeMap:
                 f"A peak near {omega / (2.0 * math.pi):.2f} Hz at {self._named(value)} was not followed: {peak}."
             )
             return
-        start = RidgePoint.start(value, peak, stage.search.stuck_omega)
+        start = RidgePoint.start(value, peak, stage.stuck_omega)
         if self._is_known(start):
             return
         parts, ends = [], []
@@ -156,15 +155,15 @@ class RidgeMap:
             ends.append(end)
         self.ridges.append(_Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
 
-    def _searched(self, value: float) -> PeakSearch | str:
-        """The search at a value, which is reported; or why there are no equations there."""
+    def _searched(self, value: float) -> RidgeStage | str:
+        """The equations at a value, which is reported; or why there are no equations there."""
         if self.work.is_used_up:
             return TOO_MUCH_WORK
         low, high = map(math.log, self._bounds)
         fraction = 0.0 if high == low else (math.log(value) - low) / (high - low)
         self._report.stage(f"peak at {self._named(value)}", min(0.99, max(0.0, fraction)))
         try:
-            return self._stage_at(value).search
+            return self._stage_at(value)
         except StickslipError as error:  # a law or a static state that does not exist there
             return str(error)
 

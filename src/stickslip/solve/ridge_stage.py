@@ -14,8 +14,8 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import Peak
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.peak import BoundedCurve, PeakSearch
-from stickslip.solve.harmonic.reduced import LastFactor
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.path.continuation import Branch
@@ -72,10 +72,7 @@ class RidgeStage:
         limits = 2.0 * math.pi * window[0], 2.0 * math.pi * window[1]
         curve = BoundedCurve(balances.with_harmonics(options.harmonics), last, limits)
         solver = Newton(curve, options.newton, report.iteration)
-        search = PeakSearch(
-            curve, solver, output, lambda trial: balances.mean_row(trial, output), balances.stuck.circular_frequency,
-            last,
-        )  # fmt: skip
+        search = PeakSearch(curve, solver, output, lambda trial: balances.mean_row(trial, output), last)
         return cls(balances, output, solver, search, window)
 
     def counted(self, work: Work) -> RidgeStage:
@@ -88,6 +85,11 @@ class RidgeStage:
 
         self.solver.on_iteration, self.search.on_point = count, work.see_point
         return self
+
+    @property
+    def stuck_omega(self) -> FloatArray:
+        """(n,) rad/s, frequencies of the stuck modes."""
+        return self.balances.stuck.circular_frequency
 
     @property
     def curve(self) -> FrequencyCurve:

@@ -14,7 +14,8 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
-from stickslip.solve.harmonic.peak import CurvePeak, PeakSearch
+from stickslip.solve.harmonic.peak import CurvePeak
+from stickslip.solve.ridge_stage import RidgeStage
 
 # chosen: the step grows or shrinks at most by these factors.
 GROWTH, SHRINKAGE = 1.6, 0.5
@@ -72,7 +73,7 @@ class Pace:
     largest_error: float = 0.1
     most_points: int = 200
 
-    def next_point(self, search: PeakSearch, near: list[RidgePoint], value: float) -> tuple[RidgePoint | str, float]:
+    def next_point(self, stage: RidgeStage, near: list[RidgePoint], value: float) -> tuple[RidgePoint | str, float]:
         """The maximum at a value from an extrapolation of points near it, and the error of its logarithm."""
         weights = _weights([math.log(each.parameter) for each in near], math.log(value))
 
@@ -81,11 +82,11 @@ class Pace:
 
         height = float(predicted(lambda each: math.log(each.peak.amplitude)))
         mode = near[-1].mode
-        mode_omega = float(search.stuck_omega[mode])
+        mode_omega = float(stage.stuck_omega[mode])
         omega = mode_omega * math.exp(float(predicted(lambda each: math.log(each.trial.omega / each.mode_omega))))
         unknowns = math.exp(height) * predicted(lambda each: each.shape)
         last = near[-1].peak
-        found = search.from_estimate(unknowns, omega, last.probe.tangent, last.curvature)
+        found = stage.search.from_estimate(unknowns, omega, last.probe.tangent, last.curvature)
         if isinstance(found, str):
             return found, math.inf
         error = abs(math.log(found.amplitude) - height)
@@ -95,7 +96,7 @@ class Pace:
 
 
 def follow(
-    search_at: Callable[[float], PeakSearch | str],
+    stage_at: Callable[[float], RidgeStage | str],
     start: RidgePoint,
     stop: float,
     pace: Pace,
@@ -115,12 +116,12 @@ def follow(
         is_last = step > 0.7 * left  # no tiny step at the end
         length = left if is_last else step
         value = stop if is_last else math.exp(here + direction * length)
-        search = search_at(value)
+        stage = stage_at(value)
         after: RidgePoint | str
-        if isinstance(search, str):
-            after, error = search, math.inf
+        if isinstance(stage, str):
+            after, error = stage, math.inf
         else:
-            after, error = pace.next_point(search, points[-PREDICTED_FROM:], value)
+            after, error = pace.next_point(stage, points[-PREDICTED_FROM:], value)
         if isinstance(after, str):
             if after == TOO_MUCH_WORK:
                 return points[1:], after

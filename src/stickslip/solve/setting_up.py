@@ -25,6 +25,7 @@ from stickslip.core.validation import (
 from stickslip.solve.excitation import Excitation, ExcitationForce
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
+from stickslip.solve.harmonic.damping import DAMPED_RANGE
 from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.support import only_friction_supports
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
@@ -65,6 +66,11 @@ class Balances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
+
+    @property
+    def damped_harmonics(self) -> int | None:
+        """Number of harmonics whose resonances have damping; None if that is no matter of their number."""
+        return None if self.modal_damping_ratio is None else int(DAMPED_RANGE)
 
     @cached_property
     def closed(self) -> LinearLimit:

@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.optimize
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.validation import FloatArray, finite_array
+from stickslip.results.peaks import peaks
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.traction_band import TractionBand
+from stickslip.solve.extreme_tractions import (
+    PeakOverTractions,
+    Selection,
+    TractionPeak,
+    highest,
+    local_extreme,
+    lowest,
+    with_residual_traction,
+)
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curve_warnings import SMALLEST_FOLD
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.support import mean_factor
 from stickslip.solve.harmonic.traction_sensitivity import Quantity, TractionSensitivity
-from stickslip.solve.harmonic.walk import mean_without_walk
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.landmarks import LandmarkSource
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -39,6 +48,11 @@ WORTHWHILE, UNCHANGED, SELECTIONS = 0.01, 0.01, 3
 MOST_POINTS = 4
 # Tractions that give this fraction of the largest linear change serve in place of another curve.
 AS_GOOD = 0.95
+# chosen: an optimised peak gets a curve if it is farther out by this fraction.
+FURTHER = 1e-3
+# chosen: random tractions from which the optimisation begins, and their seed: the same model gives the same band.
+DEFAULT_STARTS, SEED = 2, 20_241_114
+RAISED, LOWERED = "peak raised", "peak lowered"
 # Tractions are this fraction of the friction limit at most, so that round-off does not exceed it.
 WITHIN = 1.0 - 1e-9
 
@@ -70,15 +84,6 @@ def friction_limit(pairs: ContactPairs) -> FloatArray:
     return limit
 
 
-def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> ContactPairs:
-    """The pairs with a traction at rest (n_pairs, 2) N, retained by those with Coulomb friction."""
-    laws = [
-        replace(law, residual_traction=traction[members]) if isinstance(law, CoulombLaw) else law
-        for law, members in zip(pairs.laws, pairs.members, strict=True)
-    ]
-    return ContactPairs.with_laws(pairs.operator, laws, pairs.members)
-
-
 @dataclass(frozen=True)
 class _Traced:
     """A curve with a residual traction: its points, and at each the motion (2H+1, n) and the output amplitude."""
@@ -97,8 +102,18 @@ class _Traced:
 
     def sensitivity(self, index: int) -> TractionSensitivity:
         """The derivatives at a point."""
-        ends = max(index - 1, 0), min(index + 1, len(self.points) - 1)
-        return TractionSensitivity(self.balance, self.points[index], *(self.points[end] for end in ends))
+        before, after = self.points[max(index - 1, 0)], self.points[min(index + 1, len(self.points) - 1)]
+        return TractionSensitivity(self.balance, self.points[index], after.unknowns - before.unknowns)
+
+    @property
+    def highest_peak(self) -> float:
+        """Its amplitude, between the points."""
+        return peaks(self.omega, self.amplitude)[0].amplitude
+
+    @property
+    def top(self) -> int:
+        """The point with the largest amplitude."""
+        return int(self.amplitude.argmax())
 
     def folds(self) -> list[int]:
         """The first and the last point at which the curve turns; none where that is round-off."""
@@ -121,6 +136,8 @@ class TractionBandSearch:
         (start, stop) of the curve in rad/s.
     output:
         (n,) row, whose peak the tractions raise and lower.
+    starts:
+        random tractions from which the extremes are optimised, beside zero and those to first order.
     """
 
     def __init__(
@@ -133,6 +150,7 @@ class TractionBandSearch:
         newton: NewtonSettings,
         continuation: ContinuationSettings,
         report: StageReport,
+        starts: int,
     ) -> None:
         pairs = with_residual_traction(balances.pairs, np.zeros((balances.pairs.n_pairs, 2)))
         mean, restraint = mean_factor(balances.superelement, pairs)
@@ -141,7 +159,9 @@ class TractionBandSearch:
         self._harmonics, self._landmarks, self._window = harmonics, landmarks, window
         self._output, self._newton, self._continuation, self._report = output, newton, continuation, report
         self._limit = WITHIN * friction_limit(pairs)
+        self._starts = starts
         self._traced: list[_Traced] = []
+        self._extremes_found: dict[str, FloatArray] = {}
         self.warnings: list[str] = []
 
     def band(self, points: Sequence[BalancePoint]) -> TractionBand | None:
@@ -151,10 +171,11 @@ class TractionBandSearch:
         self._continuation = replace(self._continuation, max_points=most)
         still = self._follow("no traction at rest", np.zeros((self._limit.size, 2)), span)
         if still is not None and still.complete:
-            self._move_peak(still, "peak raised", span, _highest)
-            self._move_peak(still, "peak lowered", span, _lowest)
+            raised = self._move_peak(still, RAISED, span, highest)
+            lowered = self._move_peak(still, LOWERED, span, lowest)
             for fold in still.folds():
                 self._move_fold(still, fold, span)
+            self._optimise(still, raised, lowered, span)
         early = [each.name for each in self._traced if not each.complete]
         if early:
             self.warnings.append(
@@ -162,7 +183,7 @@ class TractionBandSearch:
                 f"({', '.join(early)}), so the peak can be outside of it. Tractions are varied only about a complete "
                 "curve without traction at rest."
             )
-        return _stored_band(self._traced) if self._traced else None
+        return _stored_band(self._traced, self._extremes_found) if self._traced else None
 
     def _span(self, points: Sequence[BalancePoint]) -> tuple[float, float]:
         """Start and stop (rad/s) of the part of the window around the highest peak."""
@@ -189,6 +210,19 @@ class TractionBandSearch:
         self._traced.append(traced)
         return traced
 
+    def _follow_from(self, name: str, peak: TractionPeak, span: tuple[float, float]) -> None:
+        """The curve with a residual traction from its peak to both sides, so that it contains the peak even if the path
+        follower loses it."""
+        self._report.stage(f"band of residual tractions: {name}")
+        balances = replace(self._balances, pairs=with_residual_traction(self._balances.pairs, peak.traction))
+        curve = FrequencyCurve(balances.with_harmonics(self._harmonics))
+        newton = Newton(curve, self._newton, self._report.iteration)
+        start = peak.peak.probe.point
+        sides = [Branch(newton, start, end, self._continuation, landmarks=self._landmarks) for end in span]
+        below, above = ([each.point for each in side.follow()] for side in sides)
+        complete = all(side.complete for side in sides)
+        self._traced.append(self._as_traced(name, peak.traction, curve, [*below[:0:-1], *above], complete))
+
     def _attempt(self, name: str, traction: FloatArray, span: tuple[float, float]) -> _Traced | None:
         balances = replace(self._balances, pairs=with_residual_traction(self._balances.pairs, traction))
         curve = FrequencyCurve(balances.with_harmonics(self._harmonics))
@@ -198,38 +232,86 @@ class TractionBandSearch:
         except ConvergenceError:
             return None
         branch = Branch(newton, start, span[1], self._continuation, landmarks=self._landmarks)
-        points = [each.point for each in branch.follow()]
+        return self._as_traced(name, traction, curve, [each.point for each in branch.follow()], branch.complete)
+
+    def _as_traced(
+        self, name: str, traction: FloatArray, curve: FrequencyCurve, points: Sequence[BalancePoint], complete: bool
+    ) -> _Traced:
+        """A curve with the motion and the amplitude of its points."""
         trials = [point.trial for point in points]
-        motion, _ = balances.motion(trials, curve.balance.displacement(trials))
-        amplitude = periodic_amplitude(motion @ self._output)
-        return _Traced(name, traction, curve.balance, points, branch.complete, motion, amplitude)
+        motion, _ = self._balances.motion(trials, curve.balance.displacement(trials))
+        return _Traced(
+            name, traction, curve.balance, points, complete, motion, periodic_amplitude(motion @ self._output)
+        )
 
     @staticmethod
     def _covers_peak(traced: _Traced) -> bool:
         """Whether the curve falls at both ends."""
         return bool(traced.amplitude[[0, -1]].max() < FALLEN * traced.amplitude.max())
 
-    def _move_peak(self, still: _Traced, name: str, span: tuple[float, float], select: _Selection) -> None:
-        """Curves with the tractions that move the peak most."""
+    def _move_peak(self, still: _Traced, name: str, span: tuple[float, float], select: Selection) -> _Traced:
+        """Curves with the tractions that move the peak most to first order; the last of them."""
         traced = still
         for number in range(SELECTIONS):
             top = float(traced.amplitude.max())
-            extremes = self._extremes(traced, int(traced.amplitude.argmax()))
+            extremes = self._extremes(traced, traced.top)
             if not self._usable(name, extremes):
-                return
-            traction, predicted = select(extremes, traced.traction, self._limit)
+                return traced
+            traction, predicted = select(extremes, traced.traction, self._limit, math.inf)
             same = np.abs(traction - traced.traction).max() <= UNCHANGED * self._limit.max()
             if same or abs(predicted - top) <= WORTHWHILE * top:
-                return
+                return traced
             following = self._follow(name if number == 0 else f"{name}, selection {number + 1}", traction, span)
             if following is None or not following.complete:
-                return
+                return traced
             traced = following
+        return traced
+
+    def _optimise(self, still: _Traced, raised: _Traced, lowered: _Traced, span: tuple[float, float]) -> None:
+        """Curves with the tractions whose peak no small change raises or lowers further, the best of several starts."""
+        low, high = min(span), max(span)
+        tops = PeakOverTractions(
+            self._balances, self._harmonics, self._output, (low, high), self._newton, self._report.iteration
+        )
+        still_peak = tops.near(still.traction, still.points[still.top])
+        if still_peak is None:
+            self.warnings.append(
+                "The tractions of the band were not optimised: the search for the peak without traction at rest did "
+                "not converge. The band is that of extreme tractions to first order."
+            )
+            return
+        effects = self._extremes(still, still.top)
+        starts = [still_peak, *self._random_peaks(tops, still_peak, effects)]
+        sides = ((RAISED, raised, highest, max), (LOWERED, lowered, lowest, min))
+        for name, traced, select, best_of in sides:
+            self._report.stage(f"band of residual tractions: {name}, optimised")
+            own = tops.near(traced.traction, traced.points[traced.top]) if traced.traction.any() else None
+            found = [local_extreme(tops, start, select, self._limit) for start in (*starts, *([own] if own else []))]
+            self._extremes_found[name] = np.array([each.amplitude for each in found])
+            best = best_of(found, key=lambda each: each.amplitude)
+            reached = best_of(each.highest_peak for each in self._traced if each.complete)
+            if best_of(best.amplitude, reached) != reached and abs(best.amplitude - reached) > FURTHER * reached:
+                self._follow_from(f"{name}, optimised", best, (low, high))
+
+    def _random_peaks(
+        self, tops: PeakOverTractions, still: TractionPeak, effects: Sequence[Quantity]
+    ) -> Iterator[TractionPeak]:
+        """The peaks of random tractions, of which every other has all pairs at their limits.
+
+        Pairs that stick far below their limits have none (``LEAST_SHARE``).
+        """
+        random = np.random.default_rng(SEED)
+        limit = self._limit * np.any([each.by_traction.any(axis=1) for each in effects], axis=0)
+        for number in range(self._starts):
+            angle = random.uniform(0.0, 2.0 * np.pi, self._limit.size)
+            size = np.sqrt(random.uniform(0.0, 1.0, self._limit.size)) if number % 2 else 1.0
+            traction = (limit * size)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+            if (there := tops.moved(still, traction)) is not None:
+                yield there
 
     def _extremes(self, traced: _Traced, index: int) -> tuple[Quantity, Quantity]:
         """Those of the output at a point, with their derivatives."""
-        balances, trial = self._balances, traced.points[index].trial
-        of_mean = mean_without_walk(balances.superelement.mass, balances.free, balances.pairs, trial, self._output)
+        of_mean = self._balances.mean_row(traced.points[index].trial, self._output)
         return traced.sensitivity(index).extremes(self._output, of_mean)
 
     def _move_fold(self, still: _Traced, fold: int, span: tuple[float, float]) -> None:
@@ -239,7 +321,7 @@ class TractionBandSearch:
         if not self._usable(place, [quantity]):
             return
         for sign, way in ((1.0, "up"), (-1.0, "down")):
-            traction = sign * _along(quantity.by_traction, self._limit)
+            traction = sign * highest([quantity], np.zeros((self._limit.size, 2)), self._limit)[0]
             most = float(np.vdot(quantity.by_traction, traction))
             if any(
                 sign * float(np.vdot(quantity.by_traction, each.traction)) >= AS_GOOD * abs(most)
@@ -258,49 +340,8 @@ class TractionBandSearch:
         return finite
 
 
-_Selection = Callable[[Sequence[Quantity], FloatArray, FloatArray], tuple[FloatArray, float]]
-
-
-def _along(direction: FloatArray, limit: FloatArray) -> FloatArray:
-    """(n_pairs, 2) the admissible traction with the largest product with a direction (n_pairs, 2)."""
-    size = np.hypot(direction[:, 0], direction[:, 1])
-    unit = np.divide(direction, size[:, None], out=np.zeros_like(direction), where=size[:, None] > 0.0)
-    return limit[:, None] * unit
-
-
-def _highest(extremes: Sequence[Quantity], traction: FloatArray, limit: FloatArray) -> tuple[FloatArray, float]:
-    """The traction that raises the larger of the extremes most to first order, and its value."""
-    choices = []
-    for each in extremes:
-        there = _along(each.by_traction, limit)
-        choices.append((there, each.value + float(np.vdot(each.by_traction, there - traction))))
-    return max(choices, key=lambda choice: choice[1])
-
-
-def _lowest(extremes: Sequence[Quantity], traction: FloatArray, limit: FloatArray) -> tuple[FloatArray, float]:
-    """The traction that makes the larger of both extremes smallest to first order, and its value.
-
-    The dual problem has one unknown, the weight of the first extreme: ``max over w of min over T``.
-    """
-    first, second = extremes
-    offsets = [each.value - float(np.vdot(each.by_traction, traction)) for each in extremes]
-
-    def direction(weight: float) -> FloatArray:
-        return weight * first.by_traction + (1.0 - weight) * second.by_traction
-
-    def negative_dual(weight: float) -> float:
-        mixed = direction(weight)
-        least = -float(limit @ np.hypot(mixed[:, 0], mixed[:, 1]))
-        return -(weight * offsets[0] + (1.0 - weight) * offsets[1] + least)
-
-    best = scipy.optimize.minimize_scalar(negative_dual, bounds=(0.0, 1.0), method="bounded")
-    there = -_along(direction(float(best.x)), limit)
-    values = [offset + float(np.vdot(each.by_traction, there)) for each, offset in zip(extremes, offsets, strict=True)]
-    return there, max(values)
-
-
-def _stored_band(traced: Sequence[_Traced]) -> TractionBand:
-    """The curves as a result."""
+def _stored_band(traced: Sequence[_Traced], extremes: Mapping[str, FloatArray]) -> TractionBand:
+    """The curves as a result, and the extremes that were reached from each start."""
     return TractionBand(
         tuple(each.name for each in traced),
         np.array([each.complete for each in traced]),
@@ -308,4 +349,6 @@ def _stored_band(traced: Sequence[_Traced]) -> TractionBand:
         np.concatenate([each.omega for each in traced]) / (2.0 * np.pi),
         np.ascontiguousarray(np.concatenate([each.motion for each in traced]).transpose(0, 2, 1)),
         np.array([each.traction for each in traced]),
+        extremes.get(RAISED),
+        extremes.get(LOWERED),
     )

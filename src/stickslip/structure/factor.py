@@ -114,9 +114,11 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
     solve = _superlu(matrix) if backend == "superlu" else _pardiso(matrix)
     residual, solution_error = _errors(matrix, solve)
     if not solution_error <= SOLUTION_ERROR_LIMIT:
+        # The digits of a larger error are round-off.
+        size = f"{solution_error:.1e}" if solution_error < 1.0 else "above 1"
         raise SingularMatrixError(
             f"a matrix with {matrix.shape[0]} unknowns is singular or nearly so: the error of its factor for a test "
-            f"solution is {solution_error:.1e} (allowed: {SOLUTION_ERROR_LIMIT:.0e}). {_SINGULAR_ADVICE}"
+            f"solution is {size} (allowed: {SOLUTION_ERROR_LIMIT:.0e}). {_SINGULAR_ADVICE}"
         )
     if not residual <= RESIDUAL_LIMIT:
         raise ConvergenceError(

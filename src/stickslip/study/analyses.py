@@ -14,8 +14,8 @@ from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.forced import DEFAULT_HARMONICS, forced_response
-from stickslip.solve.linear_mode import LinearMode
+from stickslip.solve.forced import forced_response
+from stickslip.solve.linear_mode import LinearMode, require_allowed_amplitude
 from stickslip.solve.nonlinear_mode import nonlinear_mode
 from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
@@ -62,6 +62,7 @@ def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | 
         newton=newton,
         continuation=continuation,
         traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
+        traction_starts=analysis.traction_starts,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )
@@ -97,6 +98,8 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             "that of the mode. Choose another mode, or another first output.",
             ("analysis.mode",),
         )
+    with concerning("analysis.largest_amplitude"):
+        require_allowed_amplitude(model.pairs, linear, analysis.largest_amplitude / shape, shape)
     response = _forced(case, model, listener, threads)
     try:
         mode = nonlinear_mode(
@@ -105,7 +108,8 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             analysis.mode,
             (analysis.smallest_amplitude / shape, analysis.largest_amplitude / shape),
             limit=analysis.limit,
-            harmonics=settings.harmonics or DEFAULT_HARMONICS,
+            harmonics=settings.harmonics,
+            accuracy=settings.accuracy,
             samples=settings.samples,
             modal_damping_ratio=case.damping.modal_damping_ratio,
             update=settings.update,

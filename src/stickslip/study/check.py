@@ -20,9 +20,11 @@ from stickslip.study.facts import (
     sizes,
     study_warnings,
 )
+from stickslip.study.mode import require_mode
 from stickslip.study.performance_curve import HIGHEST_RATIO, LOWEST_RATIO, has_performance_curve
 from stickslip.study.record import CLOSED_AT_REST
 from stickslip.study.ridge import checked_range
+from stickslip.study.stiffness_band import has_stiffness_band
 from stickslip.study.wear import energy_coefficients, worn_faces
 
 SHOWN_FREQUENCIES = 4  # chosen: the lowest ones, as a check of the model
@@ -32,11 +34,13 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
     """The content of a run, as sections of (label, value); builds the mesh and the joint, but reduces and solves
     nothing.
 
-    Raises InputError for a wrong geometry, RoughnessError for a contact without stiffness.
+    Raises InputError for a wrong geometry or a mode that does not exist, RoughnessError for a contact without
+    stiffness.
     """
     setup = set_up(case)
     joint = load_joint(case, setup.layout)
     structure = setup.assemble()
+    require_mode(case, structure, joint)
     numbers = [
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]
@@ -101,6 +105,8 @@ def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
     if isinstance(analysis, RidgeAnalysis):
         family, (low, high) = checked_range(case, analysis.over, (analysis.over_from, analysis.over_to), layout)
         yield "peaks over a key", f"{analysis.over} from {low:g} to {high:g} {family.quantity.si_unit}".rstrip()
+    if has_stiffness_band(case):
+        yield "stiffness band", "1/3 and 3 times the contact stiffness, which was not measured: two more curves"
     if has_performance_curve(case):
         yield "performance curve", f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force"
 

@@ -14,12 +14,14 @@ from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Derived, Setup
+from stickslip.model.model import kind_of
 from stickslip.model.rough_face import RoughFace, fractal_roughness_of
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.superelement import Superelement
+from stickslip.study.mode import reduced_unknowns
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
 def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
     """(name, value, unit, explanation) of preload, stiffness and roughness of each face, and of its pairs."""
-    return (*_faces(joint), *_roughness(case, joint), *joint.layout.facts)
+    return (*_faces(joint), *_roughness(case, joint), *joint.layout.facts, *kind_of(case).facts(case))
 
 
 def _faces(joint: Joint) -> Iterator[Derived]:
@@ -207,7 +209,7 @@ def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
     """Warnings of the input and of the roughness law, each message once."""
     sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.messages)
     found = (*(odd.sentence for odd in odd_values(case, joint.layout)), *joint.layout.messages, *sentences)
-    return (*found, *joint.stiffness_warnings)
+    return (*found, *joint.stiffness_warnings, *kind_of(case).warnings(case))
 
 
 def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:
@@ -219,7 +221,7 @@ def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: 
     if isinstance(structure, Superelement):
         unknowns = [("unknowns", f"{structure.size}")]
     else:
-        boundary, modes = 3 * joint.layout.boundary_nodes.size, case.reduction.modes
+        boundary, modes = reduced_unknowns(case, structure, joint)
         unknowns = [
             ("unknowns of the full model", f"{structure.stiffness.shape[0]} free of {3 * structure.mesh.n_nodes}"),
             ("unknowns after reduction", f"{boundary + modes} ({boundary} of boundary nodes, {modes} modes)"),

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.case.case import Case, TwoBladeCase
+from stickslip.case.two_blade_sections import ROTATING
 from stickslip.core.errors import RoughnessError, StickslipError
 from stickslip.core.fourier import with_rows
 from stickslip.core.progress import Progress
@@ -42,7 +43,7 @@ PACE = Pace(first_step=0.2, smallest_step=0.02, largest_step=0.8, wanted_error=0
 TOLERANCE = 1e-6
 # chosen: work of the curve over that of the frequency curve of the study; with the preparation of the values it takes
 # less than the time of three of them.
-MOST_CURVES = 1.6
+MOST_CURVES = 3.2
 
 
 def has_performance_curve(case: Case) -> bool:
@@ -54,7 +55,7 @@ def has_performance_curve(case: Case) -> bool:
         isinstance(case, TwoBladeCase)
         and case.analysis.performance_curve
         and case.preload.method == "prescribed"
-        and case.preload.centrifugal_force is not None
+        and case.preload.damper_force is not None
     )
 
 
@@ -83,8 +84,10 @@ def performance_curve(
     of the modes that are in the frequency range of the study under its own force. Raises InputError, ConvergenceError.
     """
     assert isinstance(case, TwoBladeCase)
-    force = case.preload.centrifugal_force
+    force = case.preload.damper_force
     assert force is not None  # see has_performance_curve
+    if case.preload.centrifugal_force is None:  # it follows from the mass of the damper
+        case = case.replace({KEY: f"{force!r} N", **{f"preload.{key}": None for key in ROTATING}})
     excitation = case.excitation.amplitude
     low, high = (ratio * excitation for ratio in (LOWEST_RATIO, HIGHEST_RATIO))
     family = CaseFamily.of(case, KEY)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from stickslip.case.case import Case, parts_of_key
 from stickslip.case.key_kinds import kind_of_key
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.core.units import Quantity
@@ -123,15 +123,16 @@ def ridge_options(case: Case, tolerance: float, harmonics: int | None = None) ->
 def checked_range(
     case: Case, key: str, limits: tuple[float | str, float | str], layout: Layout
 ) -> tuple[CaseFamily, tuple[float, float]]:
-    """The family of a key and its range in SI units, after a check that both ends have a joint.
+    """The family of a key and its range in SI units, after a check that both ends have a structure and a joint.
 
     Raises InputError, StudyFileError, and RoughnessError where the roughness gives no usable contact.
     """
     family = CaseFamily.of(case, key)
     bounds = family.bounds(limits)
-    if not family.changes_structure:
-        for value in bounds:
-            load_joint(family.at(value), layout)
+    for value in bounds:
+        changed = family.at(value)
+        with concerning(key):
+            load_joint(changed, set_up(changed).layout if family.changes_structure else layout)
     return family, bounds
 
 

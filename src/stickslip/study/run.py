@@ -40,6 +40,7 @@ from stickslip.study.places import (
 )
 from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import reported_model, solved
+from stickslip.study.stiffness_band import with_stiffness_band
 from stickslip.study.stress import StressAtPeak
 from stickslip.study.stress_summary import fields_of, stress_rows
 
@@ -82,7 +83,8 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     then = '"stickslip report" writes its report'
     write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)
     with _saved_results(out):
-        # It takes longer than the frequency curve, which is safe by now.
+        # They take longer than the frequency curve, which is safe by now.
+        response = with_stiffness_band(case, model, response, progress, threads)
         response = with_performance_curve(case, model, response, progress, threads)
         if response is not solution.response:
             write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)

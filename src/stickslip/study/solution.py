@@ -18,6 +18,7 @@ from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import solve
 from stickslip.study.gradients import with_gradients
+from stickslip.study.mode import require_mode
 from stickslip.study.record import compare_modes, study_record, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
 from stickslip.study.stress import StressAtPeak, stress_at_peak
@@ -91,6 +92,7 @@ def reported_model(case: Case, progress: Progress, threads: int) -> tuple[Setup,
     setup = set_up(case)
     joint = load_joint(case, setup.layout)
     structure = setup.assemble()
+    require_mode(case, structure, joint)
     model = build_model(
         case, structure, joint, threads, lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail)
     )

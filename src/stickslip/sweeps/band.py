@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from os import PathLike
 from pathlib import Path
 
@@ -13,17 +13,19 @@ import scipy.stats
 
 from stickslip.case.case import Case
 from stickslip.case.load import load_case_and_positions
+from stickslip.case.scatter_text import scatter_text
 from stickslip.core.errors import InputError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray, whole_number
 from stickslip.reporting.band_page import write_band_page
-from stickslip.results.band import Limit, limit_of
+from stickslip.results.band import Limit, TractionRange, limit_of
 from stickslip.results.band_statistics import BandStatistics
 from stickslip.results.record import run_provenance
+from stickslip.results.storage import load_results
 from stickslip.results.sweep_table import SweepTable
-from stickslip.sweeps.distributions import described, distributions
-from stickslip.sweeps.plan import LARGEST_SWEEP, plan_rows
-from stickslip.sweeps.run import solve_planned
+from stickslip.sweeps.distributions import Distribution, described, distributions
+from stickslip.sweeps.plan import LARGEST_SWEEP, PlannedCase, plan_rows
+from stickslip.sweeps.run import SolvedCases, solve_planned
 
 TABLE_FILE, DATASET_FILE, PAGE_FILE = "band.csv", "band.nc", "band.html"
 DEFAULT_SAMPLES = 64
@@ -72,7 +74,8 @@ def band(
     Parameters
     ----------
     case:
-        the case, or the path of a study file, whose own distributions then apply.
+        the case, or the path of a study file, whose own distributions then apply. With ``analysis.traction_band`` the
+        range of the peak over residual tractions is computed once, for central inputs (docs/band.md).
     scatter:
         "section.key" -> distribution: "0.3 +- 0.1", "lognormal 0.3 */ 1.5", "0.2 .. 0.4", "0.2 .. 0.4 log",
         "0.2 | 0.3 | 0.35" (docs/band.md). It replaces that of a study file.
@@ -100,9 +103,11 @@ def band(
     required = require_limits(limits, samples)
     points = sample_points(len(chosen), samples)
     keys = tuple(each.key(points[:, place]) for place, each in enumerate(chosen))
-    planned = plan_rows(case, keys, ((row,) * len(keys) for row in range(samples)), of="band")
+    samples_case = case.replace({"analysis.traction_band": False})
+    planned = plan_rows(samples_case, keys, ((row,) * len(keys) for row in range(samples)), of="band")
+    central = _central(case, chosen) if case.analysis.traction_band else None
     # listed values can give one case several times
-    different = tuple({each.key: each for each in planned}.values())
+    different = tuple({each.key: each for each in (*planned, *([central] if central else []))}.values())
     run = solve_planned(
         different, out, (TABLE_FILE, DATASET_FILE, PAGE_FILE), executor, progress, workers=workers, threads=threads
     )
@@ -110,11 +115,35 @@ def band(
     curves = tuple(run.outcomes[each.key].curve for each in planned)
     coordinates = [each.coordinate(points[:, place]) for place, each in enumerate(chosen)]
     inputs = [described(each) for each in chosen]
-    statistics = BandStatistics.of(table, curves, inputs, coordinates, required)
+    tractions = None if central is None else _traction_range(run, central)
+    statistics = BandStatistics.of(table, curves, inputs, coordinates, required, tractions)
     files = () if run.folder is None else _written(run.folder.path, case, statistics)
     case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
     content = {field.name: getattr(statistics, field.name) for field in fields(statistics)}
     return Band(**content, case_files=case_files, files=files, found=run.found, notices=tuple(run.notices))
+
+
+def _central(case: Case, chosen: Sequence[Distribution]) -> PlannedCase:
+    """The case with central inputs, with the band of its residual tractions."""
+    centres = {each.name: text.centre for each in chosen if (text := scatter_text(each.text)) is not None}
+    (planned,) = plan_rows(case.replace(centres), (), [()], of="band")
+    return replace(planned, name=f"central_{planned.key[:12]}")
+
+
+def _traction_range(run: SolvedCases, central: PlannedCase) -> TractionRange | str:
+    """The range of peaks over residual tractions, or why there is none; its curves are in the results file."""
+    row = run.row(central)
+    ends = [row.measures.get(f"{end}_traction_peak_amplitude_m") for end in ("lowest", "highest")]
+    if ends[0] is None or ends[1] is None:
+        return " ".join([row.message, *row.warnings])
+    curves: tuple[tuple[FloatArray, FloatArray], ...] = ()
+    if run.folder is not None and row.file:
+        saved = load_results(run.folder.path / row.file)
+        if saved.study is not None and saved.response.traction_band is not None:
+            output = saved.study.outputs[saved.study.response_output]
+            sides = saved.response.traction_band.curves(output)
+            curves = tuple((each.frequency_hz, each.amplitude) for each in sides)
+    return TractionRange(row.measures["peak_amplitude_m"], ends[0], ends[1], curves)
 
 
 def require_limits(limits: Sequence[str], samples: int) -> list[Limit]:

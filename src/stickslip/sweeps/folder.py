@@ -113,6 +113,7 @@ def _row(outcome: CaseOutcome) -> dict[str, Any]:
         "amplitude_m": curve.amplitude_m.tolist(),
         "stable": curve.stable.tolist(),
         "part": curve.part.tolist(),
+        "details": dict(outcome.details),
     }
 
 
@@ -122,7 +123,10 @@ def _solved(results: Path, row: dict[str, Any]) -> CaseOutcome:
         raise ResultsFileError(f'"{results}" is not used: "{ROW_FILE}" in the same folder belongs to another file.')
     row.setdefault("part", [0] * len(row["stable"]))  # folders of earlier versions have curves of one part
     curve = SweepCurve(*(np.array(row[name]) for name in ("frequency_hz", "amplitude_m", "stable", "part")))
-    return CaseOutcome(row["converged"], row["message"], row["measures"], curve, tuple(row["warnings"]))
+    details = row.get("details", {})
+    return CaseOutcome(
+        row["converged"], row["message"], row["measures"], curve, tuple(row["warnings"]), details=details
+    )
 
 
 def _digest(content: bytes) -> str:

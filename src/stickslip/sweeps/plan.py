@@ -79,7 +79,7 @@ def plan_rows(
 
     Raises StudyFileError that names the rows which are not valid.
     """
-    _require_one_curve(case, of)
+    require_one_curve(case, of)
     planned, wrong = [], []
     for places in rows:
         chosen = list(zip(keys, places, strict=True))
@@ -91,8 +91,7 @@ def plan_rows(
             wrong.append(f"  {where}: {' '.join(sentence.strip() for sentence in sentences)}")
             continue
         key_of_case, structure = case_hashes(valid)
-        words = "_".join(f"{_bare(key.name)}-{key.labels[place]}" for key, place in chosen)
-        name = f"{re.sub(r'[^A-Za-z0-9.+_-]', '', words)[:80]}_{key_of_case[:12]}"
+        name = case_name([(key.name, key.labels[place]) for key, place in chosen], key_of_case)
         values = tuple(key.values[place] for key, place in chosen)
         planned.append(PlannedCase(name, key_of_case, structure, values, valid))
     if wrong:
@@ -103,7 +102,7 @@ def plan_rows(
     return tuple(planned)
 
 
-def _require_one_curve(case: Case, of: str) -> None:
+def require_one_curve(case: Case, of: str) -> None:
     """Raise InputError for an analysis of more than the frequency curve that no table of cases contains."""
     if case.analysis.gradients:
         raise InputError(
@@ -125,8 +124,10 @@ def _require_one_curve(case: Case, of: str) -> None:
         )
 
 
-def _bare(name: str) -> str:
-    return name.split(".", 1)[1]
+def case_name(labelled: Iterable[tuple[str, str]], key_of_case: str) -> str:
+    """The name of a case with these keys and words for their values."""
+    words = "_".join(f"{name.split('.', 1)[1]}-{label}" for name, label in labelled)
+    return f"{re.sub(r'[^A-Za-z0-9.+_-]', '', words)[:80]}_{key_of_case[:12]}"
 
 
 def case_hashes(case: Case) -> tuple[str, str]:
@@ -146,7 +147,7 @@ def case_hashes(case: Case) -> tuple[str, str]:
     if files:
         answer["files"], structure["files"] = files, files
     whole = {"stickslip": worker_version(), "results_format": FORMAT_VERSION, "inputs": answer}
-    return _hash(whole), _hash(structure)
+    return hash_of(whole), hash_of(structure)
 
 
 def _content(file: str) -> str:
@@ -156,5 +157,6 @@ def _content(file: str) -> str:
     return hashlib.sha256(b"".join(part.read_bytes() for part in parts if part.is_file())).hexdigest()
 
 
-def _hash(value: object) -> str:
+def hash_of(value: object) -> str:
+    """Hash of plain data."""
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()

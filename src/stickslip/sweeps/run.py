@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -144,11 +145,11 @@ def solve_planned(
         if executor is not None:
             if not isinstance(executor, SizedExecutor):  # that of a cluster has checked every worker
                 run.require_same_version(executor)
-            run.solve(groups, executor, _free_workers(executor, workers))
+            run.solve(groups, executor, free_workers(executor, workers))
         else:
             wanted = workers or max(1, usable_cores() // threads)
             with local_executor(min(wanted, count)) as local:
-                run.solve(groups, local, _free_workers(local, None))
+                run.solve(groups, local, free_workers(local, None))
     return run
 
 
@@ -168,7 +169,7 @@ def local_executor(workers: int) -> Iterator[SizedExecutor]:
     pool.shutdown()
 
 
-def _free_workers(executor: Executor, workers: int | None) -> Callable[[], int]:
+def free_workers(executor: Executor, workers: int | None) -> Callable[[], int]:
     """The number of tasks that may be submitted: that of the executor, or from the caller's number of workers."""
     if isinstance(executor, SizedExecutor):
         return lambda: executor.tasks_at_a_time
@@ -268,12 +269,20 @@ class SolvedCases:
             )
         self._progress.update("Workers", 1.0, "same version")
 
-    def solve(self, groups: list[StructureGroup], executor: Executor, at_a_time: Callable[[], int]) -> None:
-        """Solve the cases of the groups; each is written as soon as it is finished."""
-        self._to_solve = sum(len(group.cases) for group in groups)
+    def solve(
+        self,
+        groups: list[StructureGroup],
+        executor: Executor,
+        at_a_time: Callable[[], int],
+        single: Sequence[tuple[PlannedCase, Any]] = (),
+        solve: Callable[..., CaseOutcome] | None = None,
+    ) -> None:
+        """Solve the cases of the groups and ``single`` ones with their tasks; each is written as soon as it is
+        finished. ``solve`` is the function of a worker (:class:`Schedule`)."""
+        self._to_solve = sum(len(group.cases) for group in groups) + len(single)
         self._show("")
         try:
-            Schedule(executor, at_a_time, self._finish, self._break, waiting=self._show).run(groups)
+            Schedule(executor, at_a_time, self._finish, self._break, solve, waiting=self._show).run(groups, single)
         except WorkersError as error:
             closing = " and stored; the same command resumes with the others" if self.folder is not None else ""
             count, total = self.found + self._solved - self._failed, len(self.planned)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import dataclass, field
 from typing import Any
@@ -29,17 +29,19 @@ class StructureGroup:
 
 @dataclass(eq=False)
 class _Job:
-    """A reduction of a group, or the solution of one of its cases, and the number of its workers that died."""
+    """A reduction of a group, the solution of one of its cases or of a single one, and how many of its workers died."""
 
-    group: StructureGroup
+    group: StructureGroup | None = None
     planned: PlannedCase | None = None
-    task: CaseTask | None = None
+    task: Any = None
     reduced: ReducedStructure | None = None
     deaths: int = 0
 
     @property
     def cases(self) -> list[PlannedCase]:
-        return [self.planned] if self.planned else [planned for planned, _ in self.group.cases]
+        if self.planned:
+            return [self.planned]
+        return [planned for planned, _ in self.group.cases] if self.group else []
 
 
 class Schedule:
@@ -47,7 +49,8 @@ class Schedule:
 
     ``finished(planned, outcome)`` is called for every case with an outcome, ``broke(planned, error)`` for every case
     that ended with another exception. A task whose worker process dies is repeated once. ``solve`` is the function of a
-    worker for a case, a function of a module, so that it can be pickled; by default :func:`solve_task`.
+    worker for a case, a function of a module, so that it can be pickled; by default :func:`solve_task`. It receives the
+    task and the reduced structure of its group; a single case has no group, and ``solve`` receives its task alone.
     ``waiting(words)`` is called every few seconds with the reason why all tasks wait, or the report of one that runs.
     """
 
@@ -57,7 +60,7 @@ class Schedule:
         at_a_time: Callable[[], int],
         finished: Callable[[PlannedCase, CaseOutcome], None],
         broke: Callable[[PlannedCase, BaseException], None],
-        solve: Callable[[CaseTask, ReducedStructure], CaseOutcome] | None = None,
+        solve: Callable[..., CaseOutcome] | None = None,
         waiting: Callable[[str], None] = lambda words: None,
     ) -> None:
         self._executor, self._at_a_time, self._solve = executor, at_a_time, solve or solve_task
@@ -68,12 +71,14 @@ class Schedule:
         self._solutions: deque[_Job] = deque()
         self._out: dict[Future[Any], _Job] = {}
 
-    def run(self, groups: list[StructureGroup]) -> None:
-        """Run every case to its end; an exception (an interrupt, a full disk) cancels the submitted tasks.
+    def run(self, groups: list[StructureGroup], single: Sequence[tuple[PlannedCase, Any]] = ()) -> None:
+        """Run every case of the groups and the ``single`` ones with their tasks to its end; an exception (an interrupt,
+        a full disk) cancels the submitted tasks.
 
         Raises WorkersError if the workers cannot continue.
         """
         self._reductions.extend(_Job(group) for group in groups)
+        self._solutions.extend(_Job(planned=planned, task=task) for planned, task in single)
         try:
             while self._out or self._solutions or self._reductions:
                 self._fill()
@@ -97,6 +102,8 @@ class Schedule:
                 self._fail(job, error)
 
     def _submit(self, job: _Job) -> Future[Any]:
+        if job.group is None:
+            return self._hand_out(self._solve, job.task)
         if job.planned is None or job.task is None or job.reduced is None:
             planned, task = job.group.cases[0]
             return self._hand_out(reduce_task, planned.case, job.group.setup, task.threads)
@@ -125,9 +132,9 @@ class Schedule:
         except (Exception, CancelledError) as error:
             self._fail(job, error)
         else:
-            if job.planned is None:
+            if job.planned is None and job.group is not None:
                 self._solutions.extend(_Job(job.group, planned, task, result) for planned, task in job.group.cases)
-            else:
+            elif job.planned is not None:
                 self._finished(job.planned, result)
 
     def _result(self, future: Future[Any]) -> Any:

@@ -52,7 +52,7 @@ class CaseTask:
 @dataclass(frozen=True, eq=False)
 class CaseOutcome:
     """The outcome of a case. Without a result ``curve`` is None, ``measures`` is empty, and ``message`` is the
-    reason."""
+    reason. ``details`` are further results as plain data for JSON, such as the gradients of a design."""
 
     converged: bool
     message: str
@@ -60,6 +60,7 @@ class CaseOutcome:
     curve: SweepCurve | None = None
     warnings: tuple[str, ...] = ()
     file: bytes = b""
+    details: Mapping[str, Any] = field(default_factory=dict)
 
 
 @cache

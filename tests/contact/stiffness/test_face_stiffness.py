@@ -28,10 +28,19 @@ def test_each_law_gives_a_face_its_stiffness(law: RoughnessLaw) -> None:
     assert isinstance(chosen.describe(), str)
 
 
-def test_without_a_law_it_is_the_fractal_one() -> None:
+def test_without_a_law_it_is_the_one_that_agrees_with_boundary_elements() -> None:
+    face = rough(**WAVES)
+    without = ss.contact_stiffness(face, LOAD, area=NOMINAL_AREA)
+    assert without == ss.contact_stiffness(face, LOAD, area=NOMINAL_AREA, law="persson")
+    assert ss.law_of_roughness(face, NOMINAL_AREA).describe().startswith("Persson")
+
+
+def test_a_mode_chooses_the_fractal_law() -> None:
     face = rough()
-    assert ss.contact_stiffness(face, 500.0) == ss.contact_stiffness(face, 500.0, law="fractal")
-    assert ss.contact_stiffness(face, 500.0, "varying-curvature") != ss.contact_stiffness(face, 500.0)
+    consistent = ss.contact_stiffness(face, 500.0, mode="consistent")
+    assert consistent == ss.contact_stiffness(face, 500.0, law="fractal")
+    assert consistent.normal < ss.contact_stiffness(face, 500.0, "varying-curvature").normal
+    assert ss.law_of_roughness(face, NOMINAL_AREA, mode="consistent") == FractalStiffness(face, NOMINAL_AREA)
 
 
 def test_a_face_that_is_not_pressed_has_none() -> None:
@@ -56,7 +65,7 @@ def test_arguments_that_do_not_fit_the_law() -> None:
     with rejects(ss.InputError, "law"):
         ss.contact_stiffness(face, LOAD, area=NOMINAL_AREA, law="Persson")  # type: ignore[call-overload]
     with rejects(ss.InputError, "tangential_law"):
-        ss.contact_stiffness(face, LOAD, tangential_law="sherif-kossa")
+        ss.contact_stiffness(face, LOAD, law="fractal", tangential_law="sherif-kossa")
     with rejects(ss.InputError, "tangential_law"):
         ss.contact_stiffness(face, LOAD, area=NOMINAL_AREA, law="persson", tangential_law="other")  # type: ignore[call-overload]
     with rejects(ss.InputError, "sample_length", "shortest_length"):

@@ -7,7 +7,7 @@ import pytest
 
 from rough_faces import MINDLIN, NOMINAL_AREA, pair_stiffness, rough
 from sentences import rejects
-from stickslip.contact.stiffness.face_stiffness import contact_stiffness
+from stickslip.contact.stiffness.fractal import fractal_contact
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
 from stickslip.core.errors import RoughnessError
@@ -28,7 +28,7 @@ def test_uniform_pressure_makes_both_allocations_equal(mode: str, scale: float) 
     preload, face = 500.0 * area / area.sum(), rough(2.4, scale, shortest_length=1e-6)
     by_area = pair_stiffness(face, area, preload, mode=mode, allocation="area")
     by_pressure = pair_stiffness(face, area, preload, mode=mode, allocation="pressure")
-    whole = contact_stiffness(face, 500.0, mode)
+    whole = fractal_contact(face, 500.0, mode)
     for first, second, total in zip(by_area, by_pressure, (whole.normal, whole.tangential), strict=True):
         np.testing.assert_allclose(first, second, rtol=1e-11)
         assert first.sum() == pytest.approx(total, rel=1e-12)
@@ -64,14 +64,14 @@ def test_pressure_shifts_the_stiffness_to_the_loaded_pairs() -> None:
     area = np.full(4, NOMINAL_AREA / 4)
     normal, _ = pair_stiffness(rough(), area, [50.0, 100.0, 150.0, 200.0], allocation="pressure")
     assert np.all(np.diff(normal) > 0)
-    expected = [contact_stiffness(rough(), load).normal / 4 for load in (200.0, 400.0, 600.0, 800.0)]
+    expected = [fractal_contact(rough(), load).normal / 4 for load in (200.0, 400.0, 600.0, 800.0)]
     np.testing.assert_allclose(normal, expected, rtol=1e-12)
 
 
 def test_each_face_has_its_own_load() -> None:
     area = np.array([1.0, 3.0, 2.0, 2.0]) * 1e-5
     normal, tangential = pair_stiffness(rough(), area, [100.0, 300.0, 150.0, 50.0], face=[7, 7, 2, 2])
-    left, right = contact_stiffness(rough(), 400.0), contact_stiffness(rough(), 200.0)
+    left, right = fractal_contact(rough(), 400.0), fractal_contact(rough(), 200.0)
     np.testing.assert_allclose(normal, [left.normal / 4, left.normal * 0.75, right.normal / 2, right.normal / 2])
     np.testing.assert_allclose(tangential, MINDLIN * normal)
 
@@ -79,8 +79,8 @@ def test_each_face_has_its_own_load() -> None:
 def test_open_pairs_get_the_stiffness_of_the_mean_pressure() -> None:
     area = np.full(4, NOMINAL_AREA / 4)
     normal, _ = pair_stiffness(rough(), area, [200.0, 200.0, 100.0, -30.0], allocation="pressure")
-    assert normal[3] == pytest.approx(contact_stiffness(rough(), 500.0).normal / 4, rel=1e-12)
-    assert normal[0] == pytest.approx(contact_stiffness(rough(), 800.0).normal / 4, rel=1e-12)
+    assert normal[3] == pytest.approx(fractal_contact(rough(), 500.0).normal / 4, rel=1e-12)
+    assert normal[0] == pytest.approx(fractal_contact(rough(), 800.0).normal / 4, rel=1e-12)
 
 
 def test_a_pair_under_too_little_pressure_is_rejected() -> None:

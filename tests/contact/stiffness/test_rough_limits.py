@@ -16,8 +16,7 @@ from stickslip.contact.stiffness.asperities import (
     fully_plastic_load,
     spots_under_load,
 )
-from stickslip.contact.stiffness.face_stiffness import contact_stiffness
-from stickslip.contact.stiffness.fractal import ContactStatus, reduced_modulus
+from stickslip.contact.stiffness.fractal import ContactStatus, fractal_contact, reduced_modulus
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
 from stickslip.contact.stiffness.surface import fractal_roughness_from_sq, frequency_count, structure_function_limit
@@ -41,7 +40,7 @@ def test_elastic_face_with_a_cut_off(
     """Independent evaluation of the law with elastic spots only, from pi (Ls/2)^2 upwards (6.5 mm square)."""
     length, d = 6.5e-3, dimension - 1
     face = rough(dimension, scale, hardness=1e14, shortest_length=length / 1.5**10)  # too hard for a plastic spot
-    actual = contact_stiffness(face, pressure * length**2, "unloading")
+    actual = fractal_contact(face, pressure * length**2, "unloading")
     assert actual.plastic_load_share == 0.0
     assert actual.normal == pytest.approx(normal, rel=5e-4)
     assert actual.normal * 2 * (3 - d) / (3 * (2 - d)) == pytest.approx(along_family, rel=5e-4)
@@ -52,12 +51,12 @@ def test_elastic_face_with_a_cut_off(
 def test_elastic_spots_begin_at_the_fully_plastic_load(psi: float) -> None:
     face = rough(2.3, domain_extension=psi)
     threshold = fully_plastic_load(face)
-    assert contact_stiffness(face, 0.999 * threshold).status == ContactStatus.FULLY_PLASTIC
-    assert contact_stiffness(face, 1.001 * threshold).normal > 0.0
+    assert fractal_contact(face, 0.999 * threshold).status == ContactStatus.FULLY_PLASTIC
+    assert fractal_contact(face, 1.001 * threshold).normal > 0.0
 
 
 def test_dimension_next_to_three_has_a_status() -> None:
-    actual = contact_stiffness(rough(2.9999), 500.0)
+    actual = fractal_contact(rough(2.9999), 500.0)
     assert actual.normal > 0.0
     assert actual.status == ContactStatus.STEEP_ASPERITIES
     assert "within 0.05 of its limit 3" in actual.messages[-1]
@@ -79,15 +78,15 @@ def test_interference_over_radius_falls_with_g_and_is_least_in_the_middle_of_d(l
     assert (np.diff(by_scale, axis=0) > 0).all()
     least = dimensions[by_scale.argmin(axis=1)]
     assert ((least > 2.4) & (least < 2.7)).all(), least
-    message = contact_stiffness(rough(2.2, 1e-7, hardness=hardness), load).messages[-1]
+    message = fractal_contact(rough(2.2, 1e-7, hardness=hardness), load).messages[-1]
     printed_sentence(message, f"{ratio(2.2, 1e-7):.2g}", "2.4", "2.7")
 
 
 def test_a_load_below_one_smallest_spot_is_rejected() -> None:
     face = rough(2.4, 1.0, hardness=1e13, shortest_length=1e-5)
     with rejects(RoughnessError):
-        contact_stiffness(face, 1e-12, "unloading")
-    assert contact_stiffness(face, 1.0, "unloading").normal > 0.0
+        fractal_contact(face, 1e-12, "unloading")
+    assert fractal_contact(face, 1.0, "unloading").normal > 0.0
 
 
 def test_faces_of_different_size_share_a_reference_area() -> None:
@@ -96,7 +95,7 @@ def test_faces_of_different_size_share_a_reference_area() -> None:
     normal, tangential = pair_stiffness(
         rough(), area, pressure * area, allocation="pressure", face=face, reference_area=NOMINAL_AREA
     )
-    whole = contact_stiffness(rough(), pressure * NOMINAL_AREA)
+    whole = fractal_contact(rough(), pressure * NOMINAL_AREA)
     np.testing.assert_allclose(normal, whole.normal * area / NOMINAL_AREA, rtol=1e-11)
     np.testing.assert_allclose(tangential, whole.tangential * area / NOMINAL_AREA, rtol=1e-11)
     by_face = pair_stiffness(rough(), area, pressure * area, allocation="pressure", face=face)[0]
@@ -109,7 +108,7 @@ def test_an_open_pair_gets_the_reference_law_at_the_mean_pressure() -> None:
     normal, _ = pair_stiffness(
         rough(), area, [200.0, 200.0, 100.0, -30.0], allocation="pressure", reference_area=2 * NOMINAL_AREA
     )
-    assert normal[3] == pytest.approx(contact_stiffness(rough(), 1000.0).normal / 8, rel=1e-12)
+    assert normal[3] == pytest.approx(fractal_contact(rough(), 1000.0).normal / 8, rel=1e-12)
 
 
 def test_reference_area_out_of_range() -> None:
@@ -131,8 +130,8 @@ def test_an_unloaded_face_beside_a_plastic_one_is_named_alone() -> None:
         ("hardness", lambda bad: rough(hardness=bad)),
         ("domain_extension", lambda bad: rough(domain_extension=bad)),
         ("shortest_length", lambda bad: rough(shortest_length=bad)),
-        ("load", lambda bad: contact_stiffness(rough(), bad)),
-        ("area", lambda bad: contact_stiffness(rough(), 1.0, area=bad)),
+        ("load", lambda bad: fractal_contact(rough(), bad)),
+        ("area", lambda bad: fractal_contact(rough(), 1.0, area=bad)),
         ("first_young_modulus", lambda bad: reduced_modulus(bad, 0.3, 1.0, 0.3)),
         ("second_poisson_ratio", lambda bad: reduced_modulus(1.0, 0.3, 1.0, bad)),
         ("fractal_dimension", lambda bad: domain_extension_factor(bad)),

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import stickslip as ss
+from rough_casting import casting_case
 from stickslip.case.case import Case
 from stickslip.case.load import load_case
 from stickslip.cli.main import app
@@ -38,7 +39,7 @@ def tetrahedra() -> tuple[Structure, Joint]:
 
 @pytest.fixture(scope="module")
 def bricks() -> tuple[Structure, Joint]:
-    return assembled(Case())
+    return assembled(casting_case())
 
 
 @pytest.mark.slow

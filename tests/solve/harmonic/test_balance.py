@@ -13,7 +13,8 @@ from stickslip.solve.harmonic import reduced
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.curves import FrequencyCurve
-from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonSystem, Row
+from stickslip.solve.harmonic.factors import Factor, LastFactor, iterated
+from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import NO_PARAMETERS, Plane
 from stickslip.structure.superelement import Superelement
@@ -80,7 +81,7 @@ def test_a_factor_helps_with_the_next_systems(blade: Blade, monkeypatch: pytest.
     monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
     factored = [0]
 
-    class Counted(reduced.Factor):
+    class Counted(Factor):
         def __init__(self, matrix: np.ndarray) -> None:
             factored[0] += 1
             super().__init__(matrix)
@@ -119,6 +120,53 @@ def test_a_factor_helps_with_systems_of_more_harmonics(blade: Blade, monkeypatch
     monkeypatch.setattr(reduced, "Factor", lambda matrix: pytest.fail("a second factor"))
     step = bordered(more, wide, last).solve(wide.residual, np.ones(1), 1e-9)
     assert np.linalg.norm(step.unknowns - exact.unknowns) < 1e-6 * np.linalg.norm(exact.unknowns)
+
+
+@pytest.mark.parametrize(("coefficients", "count"), [(1, 3), (4, 2), (6, 1)])
+def test_blocks_are_those_of_the_whole_matrix(
+    blade: Blade, coefficients: int, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system = NewtonSystem(*moving_trial(blade, 0.6))
+    outputs = system.active.outputs.size
+    monkeypatch.setattr(reduced, "BLOCK_ROWS", coefficients * outputs)
+    whole, blocks = system.matrix(), system.blocks()
+    assert [each.start for each in blocks[1:]] == [each.stop for each in blocks[:-1]]
+    assert (blocks[0].start, blocks[-1].stop) == (0, 2 * HARMONICS + 1)
+    assert len(blocks) == count
+    for each in blocks:
+        inside = slice(each.start * outputs, each.stop * outputs)
+        np.testing.assert_allclose(system.matrix(columns=each), whole[inside, inside], rtol=0, atol=1e-12)
+
+
+def test_blocks_precondition_what_the_iteration_alone_does_not_solve(
+    blade: Blade, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The iteration without an inverse, which here would converge, is made to fail."""
+    balance, trial = moving_trial(blade, 0.9)
+    slope = balance.frequency_slope(trial)
+
+    def solved(last: LastFactor | None = None) -> np.ndarray:
+        row = Row(np.ones(1), relative=slope)
+        system = BorderedSystem(NewtonSystem(balance, trial), [slope], [row], last)
+        return np.asarray(system.solve(trial.residual, np.ones(1), 1e-9).unknowns)
+
+    exact = solved()
+    monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    monkeypatch.setattr(reduced, "BLOCK_ROWS", 1)
+    monkeypatch.setattr(reduced, "iterated", lambda *given: iterated(*given) if len(given) == 5 else None)
+    monkeypatch.setattr(BorderedSystem, "_whole_factor", lambda system: pytest.fail("the whole matrix"))
+    last = LastFactor()
+    assert np.linalg.norm(solved(last) - exact) < 1e-6 * np.linalg.norm(exact)
+    monkeypatch.setattr(reduced, "BlockFactor", lambda blocks: pytest.fail("a second factor"))
+    assert np.linalg.norm(solved(last) - exact) < 1e-6 * np.linalg.norm(exact)
+
+
+def test_a_matrix_that_is_too_large_to_be_factored_gives_no_step(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
+    balance, trial = moving_trial(blade, 0.6)
+    for name, value in (("DIRECT_SIZE", -1), ("MAX_ITERATIONS", 1), ("MOST_ROWS", 10)):
+        monkeypatch.setattr(reduced, name, value)
+    system = BorderedSystem(NewtonSystem(balance, trial), [balance.frequency_slope(trial)], [Row(np.ones(1))])
+    assert not np.isfinite(system.solve(trial.residual, np.zeros(1), 1e-9).unknowns).any()
 
 
 def test_active_rows_contain_only_moving_pairs(blade: Blade) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from plane_curves import PlaneCurve, PlanePoint, circle, corner, lemniscate, line_beside_an_ellipse, s_curve, step
 
+from rough_casting import casting_case
 from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.model.model import build_model, load_joint, set_up
@@ -246,7 +247,7 @@ def solved(case: Case) -> tuple[ForcedResponse, Peak]:
 @pytest.mark.slow
 def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
     """At 469.89 Hz the branch turns by 160 degrees, over less than 3e-4 of the window; shorter steps fail there."""
-    case = Case().replace(
+    case = casting_case().replace(
         {
             **COARSE_MESH,
             "preload.method": "solved",
@@ -266,7 +267,7 @@ def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
 @pytest.mark.slow
 def test_a_curve_of_two_blades_with_loops_beside_it_is_complete() -> None:
     """Residual tractions make a loop at 455.9 Hz, beside pairs that stick; long steps run round it or pass it by."""
-    case = Case().replace(
+    case = casting_case().replace(
         {
             "solver.frequency_start": "405 Hz",
             "solver.frequency_stop": "535 Hz",

@@ -10,6 +10,7 @@ import pytest
 
 import stickslip as ss
 from helpers import Blade
+from rough_casting import casting_case
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.results.response_data import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
@@ -268,7 +269,7 @@ def test_the_iteration_gives_the_largest_of_all_eigenvalues(blade: Blade, monkey
 def test_the_two_blade_case_loses_stability_at_its_folds_alone() -> None:
     """Fast coordinates without damping gave false tori beside its peak, with 44 pairs that slip and 66 that separate.
     Time integration stays near the points outside of the folds and leaves those between them."""
-    case = ss.TwoBladeCase().replace({"solver.frequency_start": "450 Hz", "solver.frequency_stop": "458 Hz"})
+    case = casting_case().replace({"solver.frequency_start": "450 Hz", "solver.frequency_stop": "458 Hz"})
     response = ss.solve_case(case, threads=1).response
     assert [each.kind for each in response.bifurcations] == ["fold", "fold"]
     assert [each.frequency_hz for each in response.bifurcations] == pytest.approx([455.16, 452.25], abs=0.05)

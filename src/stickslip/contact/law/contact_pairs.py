@@ -141,6 +141,15 @@ class ContactPairs:
         parts = [f"{law.n_pairs} {law.name}" for law in self.laws]
         return f"ContactPairs({' + '.join(parts)} pairs on {self.operator.shape[1]} unknowns)"
 
+    @property
+    def largest_motion(self) -> FloatArray:
+        """(n_pairs, 3) m, displacements from rest up to which the laws resist; infinite for laws without such a limit
+        (``largest_motion`` of a law is optional)."""
+        motion = np.full((self.n_pairs, 3), np.inf)
+        for law, members in zip(self.laws, self.members, strict=True):
+            motion[members] = getattr(law, "largest_motion", np.inf)
+        return motion
+
     def with_update(self, update: Update) -> ContactPairs:
         """The pairs with another return of their Coulomb laws."""
         laws = tuple(law.with_update(update) if isinstance(law, CoulombLaw) else law for law in self.laws)

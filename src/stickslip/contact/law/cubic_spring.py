@@ -59,6 +59,16 @@ class CubicSpring(ElasticLaw):
         """Number p of pairs."""
         return len(self.stiffness)
 
+    @property
+    def largest_motion(self) -> FloatArray:
+        """(p, 3) m, the displacement from rest at which a softening spring no longer resists; infinite for others."""
+        softens = self.cubic_stiffness < 0.0
+        square = np.divide(
+            -self.stiffness, 3.0 * self.cubic_stiffness, out=np.zeros_like(self.stiffness), where=softens
+        )
+        reach = np.sqrt(square) - np.abs(self.rest_displacement)
+        return np.where(softens, np.maximum(reach, 0.0), np.inf)
+
     def force_and_slope(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Force (p, 3, n) N and slope (p, 3, n) N/m."""
         linear, cubic = self.stiffness[:, :, None], self.cubic_stiffness[:, :, None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Literal, get_args, overload
 
 import numpy as np
@@ -18,46 +19,57 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import positive_number, real_number, require_choice
 
 RoughnessLaw = Literal["fractal", "persson", "greenwood-williamson", "bush-gibson-thomas"]
-DEFAULT_LAW: RoughnessLaw = "fractal"
+DEFAULT_LAW: RoughnessLaw = "persson"
+FIRST_MODE: StiffnessMode = "consistent"
 
 
 @overload
 def contact_stiffness(
     roughness: Roughness,
     load: float,
-    mode: StiffnessMode = "consistent",
+    mode: StiffnessMode,
     area: float | None = None,
-    law: Literal["fractal"] = "fractal",
+    law: Literal["fractal"] | None = None,
 ) -> ContactStiffness: ...
 @overload
 def contact_stiffness(
     roughness: Roughness,
     load: float,
-    mode: StiffnessMode = "consistent",
+    mode: None = None,
     area: float | None = None,
-    law: RoughnessLaw = DEFAULT_LAW,
+    *,
+    law: Literal["fractal"],
+) -> ContactStiffness: ...
+@overload
+def contact_stiffness(
+    roughness: Roughness,
+    load: float,
+    mode: StiffnessMode | None = None,
+    area: float | None = None,
+    law: RoughnessLaw | None = None,
     tangential_law: TangentialRatio = "mindlin",
     form_length: float | None = None,
 ) -> FaceStiffness: ...
 def contact_stiffness(
     roughness: Roughness,
     load: float,
-    mode: StiffnessMode = "consistent",
+    mode: StiffnessMode | None = None,
     area: float | None = None,
-    law: RoughnessLaw = DEFAULT_LAW,
+    law: RoughnessLaw | None = None,
     tangential_law: TangentialRatio = "mindlin",
     form_length: float | None = None,
 ) -> FaceStiffness:
     """Normal and tangential stiffness (N/m) of a face of ``area`` (m2) under ``load`` (N); zero for a load <= 0.
 
-    fractal: the spots of the fractal law, in one of three ``mode`` s (docs/theory_roughness.md); ``area`` is optional.
     persson, greenwood-williamson, bush-gibson-thomas: docs/theory_stiffness_laws.md; they require ``area``, and
         ``sample_length`` and ``shortest_length`` of the roughness.
+    fractal: the spots of the fractal law, in one of three ``mode`` s (docs/theory_roughness.md); ``area`` is optional.
 
-    ``tangential_law`` and ``form_length`` are of the last three, as in :func:`law_of_roughness`. Raises InputError for
+    Without ``law`` it is persson, the one that agrees best with boundary elements; with a ``mode`` alone it is fractal.
+    ``tangential_law`` and ``form_length`` are of the first three, as in :func:`law_of_roughness`. Raises InputError for
     values that are not usable.
     """
-    require_choice("law", law, get_args(RoughnessLaw))
+    law = _chosen(law, mode)
     if law == "fractal":
         for name, value, default in (("tangential_law", tangential_law, "mindlin"), ("form_length", form_length, None)):
             if value != default:
@@ -65,14 +77,12 @@ def contact_stiffness(
                     f'{name} is {value!r}, but the law "fractal" has none. Choose another law, or omit it.',
                     arguments=[name],
                 )
-        return fractal_contact(roughness, load, mode, area)
-    if mode != "consistent":
-        raise InputError(
-            f'mode is "{mode}", but only the law "fractal" has modes, and law is "{law}". Omit one of the two.',
-            arguments=["mode"],
-        )
+        return fractal_contact(roughness, load, mode or FIRST_MODE, area)
     if area is None:
-        raise InputError(f'the law "{law}" requires the area of the face in m2.', arguments=["area"])
+        raise InputError(
+            f'the law "{law}" requires the area of the face in m2. Give area; only law = "fractal" does without.',
+            arguments=["area"],
+        )
     load, face = real_number("load", load), positive_number("area", area, "m2")
     chosen = law_of_roughness(roughness, face, law, tangential_law=tangential_law, form_length=form_length)
     if load <= 0.0:
@@ -83,21 +93,36 @@ def contact_stiffness(
     return FaceStiffness(normal, tangential, chosen.valid(pressure))
 
 
+def _chosen(law: RoughnessLaw | None, mode: StiffnessMode | None) -> RoughnessLaw:
+    """The law: the default, or fractal where only a mode is given. Raises InputError for a mode of another law."""
+    if law is None:
+        return DEFAULT_LAW if mode is None else "fractal"
+    require_choice("law", law, get_args(RoughnessLaw))
+    if law != "fractal" and mode is not None:
+        raise InputError(
+            f'mode is "{mode}", but only the law "fractal" has modes, and law is "{law}". Omit one of the two.',
+            arguments=["mode"],
+        )
+    return law
+
+
 def law_of_roughness(
     roughness: Roughness,
     area: float,
-    law: RoughnessLaw = DEFAULT_LAW,
-    mode: StiffnessMode = "consistent",
+    law: RoughnessLaw | None = None,
+    mode: StiffnessMode | None = None,
     tangential_law: TangentialRatio = "mindlin",
     form_length: float | None = None,
 ) -> StiffnessLaw:
     """The law of a rough face of ``area`` (m2): its stiffness per area over the pressure.
 
-    ``form_length`` in m: longer waves are form, which the mesh has as gaps between the faces, and not roughness; None
-    for all waves. Raises InputError for values that are not usable.
+    ``law`` and ``mode`` as in :func:`contact_stiffness`; ``form_length`` in m: longer waves are form, which the mesh
+    has as gaps between the faces, and not roughness; None for all waves. Raises InputError for values that are not
+    usable.
     """
+    law = _chosen(law, mode)
     if law == "fractal":
-        return FractalStiffness(roughness, area, mode)
+        return FractalStiffness(roughness, area, mode or FIRST_MODE)
     if law == "persson":
         return persson_law(roughness, area, form_length, tangential_law)
     summits = GreenwoodWilliamsonStiffness if law == "greenwood-williamson" else BushGibsonThomasStiffness
@@ -113,6 +138,7 @@ def persson_law(
     return PerssonStiffness(_spectrum(roughness, form_length), modulus, ratio, area, roughness.hardness, tangential_law)
 
 
+@lru_cache(maxsize=64)  # of the rough faces of a ridge or a sweep, whose loads alone differ
 def _spectrum(roughness: Roughness, form_length: float | None) -> HeightSpectrum:
     spectrum = HeightSpectrum.of_fractal(roughness)
     return spectrum if form_length is None else spectrum.up_to(form_length)

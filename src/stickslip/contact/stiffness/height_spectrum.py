@@ -20,7 +20,7 @@ from stickslip.core.validation import FloatArray, finite_array, positive_number
 STEPS_PER_LOG = 60  # waves in a factor e of the wavelength: twice as many change the laws by less than 0.5 %
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class HeightSpectrum:
     """Isotropic surface as independent waves: ``variance`` (k,) m2 of the heights at each ``wavelength`` (k,) m.
 

@@ -6,7 +6,7 @@ Derivation, constants and comparison with boundary elements: docs/theory_stiffne
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import pi, sqrt
 
 import numpy as np
@@ -100,8 +100,8 @@ class PerssonStiffness:
     def single_patch(self, pressure: FloatArray) -> FloatArray:
         """(k,) N/m3 at pressures (k,) in Pa: one patch about the highest summit carries the load of the face."""
         load = np.asarray(pressure, dtype=float) * self.area
-        radius, loads = self._patch
-        elastic = np.exp(np.interp(np.log(load), np.log(loads), np.log(radius)))
+        radius, scaled = _summit_punch(self.spectrum)
+        elastic = np.exp(np.interp(np.log(load / self.reduced_modulus), np.log(scaled), np.log(radius)))
         plastic = 0.0 if self.hardness is None else np.sqrt(load / (pi * self.hardness))
         return np.asarray(2.0 * self.reduced_modulus * np.hypot(elastic, plastic) / self.area)
 
@@ -149,21 +149,21 @@ class PerssonStiffness:
         end = np.sqrt(np.cumsum(square))
         return np.asarray(0.5 * (end + np.append(0.0, end[:-1])))
 
-    @cached_property
-    def _patch(self) -> tuple[FloatArray, FloatArray]:
-        """Radii (n,) m and loads (n,) N of the contact of a smooth axisymmetric punch of the shape f of a summit.
 
-        ``F = 2 E* integral of r^2 f'(r) / sqrt(a^2 - r^2) dr`` from 0 to a (I. N. Sneddon, 1965).
-        """
-        waves = self.spectrum
-        distance = np.geomspace(waves.wavelength[-1] / 100.0, waves.wavelength[0], 400)
-        slope = np.maximum(waves.summit_drop(distance)[1], 0.0)
-        radius = np.geomspace(distance[0], LARGEST_PATCH * waves.wavelength[0], 200)
-        along = radius[:, None] * np.sin(ANGLES)
-        slope_along = np.interp(along, distance, slope)
-        in_parabola = along < distance[0]
-        slope_along[in_parabola] = slope[0] * along[in_parabola] / distance[0]
-        load = self.reduced_modulus * pi * radius**2 * (np.sin(ANGLES) ** 2 * slope_along).mean(axis=1)
-        # Below the shortest wave the summit is a parabola, F ~ a^3 (Hertz): one point far below continues the table.
-        rising = np.maximum.accumulate(load)
-        return np.append(HERTZ_END * radius[0], radius), np.append(HERTZ_END**3 * load[0], rising)
+@lru_cache(maxsize=64)  # half of the time of a rough face, and faces that share a roughness share its spectrum
+def _summit_punch(waves: HeightSpectrum) -> tuple[FloatArray, FloatArray]:
+    """Radii a (n,) m and loads over the modulus (n,) m2 of a smooth axisymmetric punch of the shape f of a summit.
+
+    ``F / E* = 2 integral of r^2 f'(r) / sqrt(a^2 - r^2) dr`` from 0 to a (I. N. Sneddon, 1965).
+    """
+    distance = np.geomspace(waves.wavelength[-1] / 100.0, waves.wavelength[0], 400)
+    slope = np.maximum(waves.summit_drop(distance)[1], 0.0)
+    radius = np.geomspace(distance[0], LARGEST_PATCH * waves.wavelength[0], 200)
+    along = radius[:, None] * np.sin(ANGLES)
+    slope_along = np.interp(along, distance, slope)
+    in_parabola = along < distance[0]
+    slope_along[in_parabola] = slope[0] * along[in_parabola] / distance[0]
+    load = pi * radius**2 * (np.sin(ANGLES) ** 2 * slope_along).mean(axis=1)
+    # Below the shortest wave the summit is a parabola, F ~ a^3 (Hertz): one point far below continues the table.
+    rising = np.maximum.accumulate(load)
+    return np.append(HERTZ_END * radius[0], radius), np.append(HERTZ_END**3 * load[0], rising)

@@ -7,7 +7,7 @@ from typing import Protocol, TypeVar
 from stickslip.case.case import Case
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import FaceSettings
-from stickslip.model.layout import BaseMotionOfSupport, GroupForce, GroupUnbalance, Layout, Output, Setup
+from stickslip.model.layout import BaseMotionOfSupport, Derived, GroupForce, GroupUnbalance, Layout, Output, Setup
 from stickslip.structure.mesh import Mesh
 
 CaseT = TypeVar("CaseT", bound=Case, contravariant=True)
@@ -51,6 +51,12 @@ class Kind(Protocol[CaseT]):
 
     def description(self, case: CaseT) -> str:
         """One sentence on excitation, load and friction."""
+
+    def facts(self, case: CaseT) -> tuple[Derived, ...]:
+        """(name, value, unit, explanation) of this kind, beside those of all joints."""
+
+    def warnings(self, case: CaseT) -> tuple[str, ...]:
+        """Sentences on values that are allowed but doubtful."""
 
     def rough_face_size(self, case: CaseT) -> tuple[float, float]:
         """m along and across a face, for a picture of its roughness."""

@@ -13,7 +13,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw, pressure_law
 from stickslip.model.joint import STARTING_PRESSURE, FaceSettings
-from stickslip.model.layout import BaseMotionOfSupport, GroupForce, GroupUnbalance, Layout, Output
+from stickslip.model.layout import BaseMotionOfSupport, Derived, GroupForce, GroupUnbalance, Layout, Output
 from stickslip.model.rough_face import roughness_section
 
 OwnCaseT = TypeVar("OwnCaseT", bound=OwnCase)
@@ -103,6 +103,14 @@ class OwnKind(Generic[OwnCaseT]):
         """The responses, the first one that of the curve; all are drawn together."""
         named_outputs = {name: Output(f"responses.{name}", each.direction) for name, each in case.responses.items()}
         return named_outputs, {"Responses": tuple(named_outputs)}
+
+    def facts(self, case: OwnCaseT) -> tuple[Derived, ...]:
+        """None beside those of all joints."""
+        return ()
+
+    def warnings(self, case: OwnCaseT) -> tuple[str, ...]:
+        """None."""
+        return ()
 
     def rough_face_size(self, case: OwnCaseT) -> tuple[float, float]:
         """m: a patch as long as the longest wave of the surface, and a quarter as wide."""

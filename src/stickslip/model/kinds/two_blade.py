@@ -13,8 +13,9 @@ from stickslip.contact.preload import prescribed_preload, uniform_preload
 from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import STARTING_PRESSURE, FaceSettings
+from stickslip.model.kinds.damper_words import damper_facts, damper_warnings
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
-from stickslip.model.layout import Direction, GroupForce, GroupUnbalance, Layout, NodeGroup, Output
+from stickslip.model.layout import Derived, Direction, GroupForce, GroupUnbalance, Layout, NodeGroup, Output
 from stickslip.model.rough_face import case_material
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
@@ -102,15 +103,18 @@ class TwoBladeKind:
                     ("preload.values",),
                 )
             return prescribed_preload(case.preload.values, face_pairs.n_pairs)
-        if case.preload.centrifugal_force is None:
+        force = case.preload.damper_force
+        if force is None:
             return STARTING_PRESSURE * face_pairs.area
-        return uniform_preload(
-            case.preload.centrifugal_force,
-            case.geometry.platform_angle,
-            face_pairs.area,
-            face_pairs.face,
-            friction_coefficient=case.preload.friction_coefficient_at_assembly,
-        )
+        with keys_of_section("preload", {"friction_coefficient": "friction_coefficient_at_assembly"}):
+            return uniform_preload(
+                force,
+                case.geometry.platform_angle,
+                face_pairs.area,
+                face_pairs.face,
+                friction_coefficient=case.preload.friction_coefficient_at_assembly,
+                right_platform_angle=case.geometry.right_platform_angle,
+            )
 
     def face_settings(self, case: TwoBladeCase) -> tuple[FaceSettings, ...]:
         """Both faces follow [friction] and [contact_stiffness]."""
@@ -161,13 +165,21 @@ class TwoBladeKind:
             "same": "at both blades, same direction",
             "opposite": "at both blades, opposed",
         }
-        excitation, force = case.excitation, case.preload.centrifugal_force
+        excitation, force = case.excitation, case.preload.damper_force
         load = "prescribed preload" if force is None else f"centrifugal force {force:g} N"
         if case.preload.method == "solved":
             turning = "" if case.rotation is None else f"rotation at {case.rotation.speed:g} rad/s"
             load = f"solved preload under {turning or load}, tractions at rest {case.preload.residual_traction}"
         friction = case.friction.coefficient
         return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {friction:g}."
+
+    def facts(self, case: TwoBladeCase) -> tuple[Derived, ...]:
+        """Load and lock-up of the damper as a wedge."""
+        return tuple(damper_facts(case))
+
+    def warnings(self, case: TwoBladeCase) -> tuple[str, ...]:
+        """A damper that friction locks."""
+        return tuple(damper_warnings(case))
 
     def rough_face_size(self, case: TwoBladeCase) -> tuple[float, float]:
         """m along and across the contact face, for a picture of it."""
@@ -178,18 +190,21 @@ def build_mesh(case: TwoBladeCase) -> Mesh:
     """Mesh of the two blades and the damper. Raises InputError for a geometry that does not fit."""
     dimensions = case.geometry.model_dump()
     dimensions["platform_angle_deg"] = float(np.degrees(dimensions.pop("platform_angle")))
+    right = dimensions.pop("right_platform_angle")
+    dimensions["right_platform_angle_deg"] = None if right is None else float(np.degrees(right))
     counts = case.mesh.model_dump()
     element = counts.pop("element")
     with concerning("mesh"):
         elements = BladePairElements(**counts)
-    with concerning("geometry"), keys_of_section("geometry", {"platform_angle_deg": "platform_angle"}):
+    angles = {f"{name}_deg": name for name in ("platform_angle", "right_platform_angle")}
+    with concerning("geometry"), keys_of_section("geometry", angles):
         mesh = blade_pair_mesh(BladePairGeometry(**dimensions), elements)
     return mesh.quadratic() if element == "serendipity" else mesh
 
 
 def _static_force(case: TwoBladeCase) -> float:
     """N on the damper, both ends together; 0 where the preload is not solved from it."""
-    return (case.preload.centrifugal_force or 0.0) if case.preload.method == "solved" else 0.0
+    return (case.preload.damper_force or 0.0) if case.preload.method == "solved" else 0.0
 
 
 def _edge_group(mesh: Mesh, name: str) -> NodeGroup:

@@ -8,7 +8,7 @@ come from no drawing: seven of them were fitted to the first ten natural frequen
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -25,8 +25,9 @@ class BladePairGeometry:
         base to tip (z), chord (y), and thickness of the airfoil (x).
     damper_length:
         along y, centred; at most ``width``.
-    contact_face_width, platform_angle_deg:
-        width of a contact face along its slope, and the slope against the x-axis.
+    contact_face_width, platform_angle_deg, right_platform_angle_deg:
+        width of a contact face along its slope, and the slope against the x-axis; None for a right blade that mirrors
+        the left one. If the angles differ, the underside of the right platform has another height (``right``).
     underside_height_at_shank, inner_overhang:
         height of the flat platform underside, and its length from the shank to the contact face.
     platform_edge_thickness, platform_gap:
@@ -58,15 +59,33 @@ class BladePairGeometry:
     shank_thickness_at_base: float = 9.3e-3
     damper_flank_height: float = 2.5e-3
     excitation_height: float = 3.67e-3
+    right_platform_angle_deg: float | None = None
 
     def __post_init__(self) -> None:
         for item in fields(self):
+            if getattr(self, item.name) is None:
+                continue
             value = real_number(item.name, getattr(self, item.name))
-            if item.name == "platform_angle_deg":
+            if item.name.endswith("platform_angle_deg"):
                 require_allowed(item.name, value, 0.0 < value < 90.0, "between 0 and 90 degrees")
             else:
                 require_allowed(item.name, value, value > 0.0, "above 0 m (28 mm is 0.028)")
         self._require_fit()
+        _ = self.right  # its parts must fit, too
+
+    @property
+    def right(self) -> BladePairGeometry:
+        """The mirrored right side with its own platform angle; the upper ends of both contact faces, and with them both
+        platform tops, have the same height, so that its underside is higher or lower. Raises InputError."""
+        if self.right_platform_angle_deg is None:
+            return self
+        own_rise = self.contact_face_width * math.sin(math.radians(self.right_platform_angle_deg))
+        return replace(
+            self,
+            platform_angle_deg=self.right_platform_angle_deg,
+            right_platform_angle_deg=None,
+            underside_height_at_shank=self.underside_height_at_shank + self.slope_rise - own_rise,
+        )
 
     def _require_fit(self) -> None:
         """Raise InputError where the parts would overlap or turn inside out."""
@@ -229,7 +248,7 @@ def blade_pair_mesh(geometry: BladePairGeometry | None = None, elements: BladePa
     damper_levels = 0.5 * geometry.damper_length * np.linspace(-1.0, 1.0, elements.chordwise + 1)
     blade_levels, first_level = _blade_levels(geometry, elements, damper_levels)
     left = _blade_section(geometry, elements)
-    right = _mirrored(left)
+    right = _mirrored(_blade_section(geometry.right, elements))
     damper = _damper_section(geometry, elements)
 
     parts = [(left, blade_levels), (right, blade_levels), (damper, damper_levels)]
@@ -349,10 +368,8 @@ def _mirrored(section: _Section) -> _Section:
 
 def _damper_section(geometry: BladePairGeometry, elements: BladePairElements) -> _Section:
     """Section of the damper: rows across its width, vertical flanks below, contact faces as left and right ends."""
-    slope = _slope(geometry, elements.contact_columns)
-    bottom = slope[0] - [0.0, geometry.damper_flank_height]
-    left = np.vstack([_ruled(bottom[None], slope[:1], elements.damper_flank_rows)[:-1, 0], slope])
-    grid_points = np.swapaxes(_ruled(left, left * [-1.0, 1.0], elements.damper_columns), 0, 1)
+    left, right = (_damper_side(side, elements) for side in (geometry, geometry.right))
+    grid_points = np.swapaxes(_ruled(left, right * [-1.0, 1.0], elements.damper_columns), 0, 1)
     grid = np.arange(grid_points[..., 0].size).reshape(grid_points.shape[:2])
     faces = grid[elements.damper_flank_rows :]
     middle = slice(elements.contact_columns // 2, elements.contact_columns // 2 + 1)
@@ -367,6 +384,13 @@ def _damper_section(geometry: BladePairGeometry, elements: BladePairElements) ->
             "right_middle": faces[middle, -1],
         },
     )
+
+
+def _damper_side(geometry: BladePairGeometry, elements: BladePairElements) -> FloatArray:
+    """(n, 2) points of the left end of the damper: its vertical flank and its contact face."""
+    slope = _slope(geometry, elements.contact_columns)
+    bottom = slope[0] - [0.0, geometry.damper_flank_height]
+    return np.vstack([_ruled(bottom[None], slope[:1], elements.damper_flank_rows)[:-1, 0], slope])
 
 
 def _extrude(section: _Section, levels: FloatArray) -> tuple[FloatArray, IntArray]:

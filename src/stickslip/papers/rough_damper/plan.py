@@ -170,6 +170,14 @@ class Scope:
         )
 
 
+# The faces of the paper, and what it leaves open of them; each curve has its own D, G and law.
+FACES: Mapping[str, Any] = {
+    "roughness.law": "fractal",
+    "roughness.fractal_dimension": 2.4,
+    "roughness.fractal_roughness": "1e-8 m",
+    "roughness.sample_length": "28 mm",
+    "roughness.shortest_length": "1 um",
+}
 WINDOW: Mapping[str, Any] = {"solver.frequency_start": "405 Hz", "solver.frequency_stop": "535 Hz"}
 
 
@@ -177,7 +185,7 @@ def base_case(scope: Scope) -> TwoBladeCase:
     """The case that all others are made from. Raises StudyFileError for a wrong change."""
     chosen = {choice.key: choice.base for choice in CHOICES}
     compared = {"reference.mode_frequencies": [row["full_hz"] for row in table2()], "reference.source": SOURCE}
-    return TwoBladeCase().replace({**chosen, **WINDOW, **compared, **scope.changes})
+    return TwoBladeCase().replace({**FACES, **chosen, **WINDOW, **compared, **scope.changes})
 
 
 def computations(scope: Scope) -> tuple[Computation, ...]:
@@ -228,7 +236,7 @@ def changed_load(choice: Choice, case: TwoBladeCase) -> float | None:
 
 def law_of(case: TwoBladeCase) -> str:
     """The law of a case as the page calls it."""
-    return _LAWS[roughness_section(case).mode]
+    return _LAWS[roughness_section(case).fractal_mode]
 
 
 def words_of(choice: Choice, value: Any) -> str:

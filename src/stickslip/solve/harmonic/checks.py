@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.neglected import CurveAccuracy, chord_of, neglected
-from stickslip.solve.harmonic.reduced import LastFactor
+from stickslip.solve.harmonic.factors import LastFactor
+from stickslip.solve.harmonic.neglected import UNKNOWN, CurveAccuracy, chord_of, neglected
 
 LARGEST_SAMPLE_RESIDUAL = 2e-3  # chosen: 0.2 % of the relative displacement, below what a plot shows
 LARGEST_NEGLECTED = 1e-2  # chosen: 1 % of the motion of the structure, with the margin of the estimate
@@ -37,6 +37,8 @@ class ResolutionCheck:
         by symmetry); None if all harmonics are excited.
     accuracy:
         wanted accuracy, where it determines the harmonics.
+    limited:
+        whether the limit of the work, not that of the samples, stopped the harmonics at some point.
     """
 
     sample_residual: float
@@ -45,6 +47,7 @@ class ResolutionCheck:
     neglected_omega: float
     last_harmonic_fraction: float | None
     accuracy: float | None = None
+    limited: bool = False
 
     def warnings(self, harmonics: int, samples: int) -> tuple[str, ...]:
         """A warning for each number above its limit."""
@@ -57,14 +60,25 @@ class ResolutionCheck:
                 f"{self.sample_omega / (2 * np.pi):.2f} Hz (required: below {100 * largest_residual:.3g} %). "
                 f"Run again with samples = {2 * samples}."
             )
-        if self.accuracy is not None and self.neglected_error > self.accuracy:
+        where = f"{self.neglected_omega / (2.0 * np.pi):.2f} Hz"
+        if self.neglected_error >= UNKNOWN:
+            sentences.append(
+                f"The error by neglected harmonics is as large as the motion at {where}, or not known: the solution "
+                f"with more harmonics is far away. Run again with harmonics = {2 * harmonics}, and compare."
+            )
+        elif self.accuracy is not None and self.neglected_error > self.accuracy:
+            remedy = f"Run again with samples = {2 * samples}, which allow more harmonics, or with a coarser accuracy."
+            if self.limited:
+                remedy = (
+                    "More harmonics of so many moving pairs exceed the limit of the work. Run again with a coarser "
+                    f"accuracy, or with fixed harmonics = {2 * harmonics}, which takes long."
+                )
             sentences.append(
                 f"The accuracy of {100 * self.accuracy:.3g} % is not reached: the estimated error by neglected "
-                f"harmonics is {100 * self.neglected_error:.2g} % of the motion at "
-                f"{self.neglected_omega / (2 * np.pi):.2f} Hz, with up to {harmonics} harmonics. Run again with "
-                f"samples = {2 * samples}, which allow more harmonics, or with a coarser accuracy."
+                f"harmonics is {100 * self.neglected_error:.2g} % of the motion at {where}, with up to {harmonics} "
+                f"harmonics. {remedy}"
             )
-        if self.accuracy is None and self.neglected_error > LARGEST_NEGLECTED:
+        elif self.accuracy is None and self.neglected_error > LARGEST_NEGLECTED:
             last = self.last_harmonic_fraction
             energy_words = (
                 ""
@@ -74,7 +88,7 @@ class ResolutionCheck:
             more = 2 if self.neglected_error < 5.0 * LARGEST_NEGLECTED else harmonics
             sentences.append(
                 f"Too few harmonics: those above {harmonics} would move the curve by about "
-                f"{100 * self.neglected_error:.3g} % of its motion at {self.neglected_omega / (2 * np.pi):.2f} Hz "
+                f"{100 * self.neglected_error:.3g} % of its motion at {where} "
                 f"(required: below "
                 f"{100 * LARGEST_NEGLECTED:.0f} %){energy_words}. Run again with harmonics = "
                 f"{harmonics + max(2, more)}, or with an accuracy."
@@ -136,6 +150,7 @@ def check_resolution(
         trials[worst].omega,
         max(valid) if valid else None,
         None if reached is None else reached.accuracy,
+        reached is not None and reached.limited,
     )
 
 

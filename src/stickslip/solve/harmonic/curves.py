@@ -15,7 +15,8 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonSystem, Row
+from stickslip.solve.harmonic.factors import LastFactor
+from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 from stickslip.solve.path.problem import NO_PARAMETERS, Plane, Step
 
 Control = Literal["amplitude", "phase"]

@@ -89,7 +89,11 @@ def _measure(
     # on this way too.
     walk, at_rest = balance.pairs.walk(means)[:, :, :2], balance.pairs.resting_traction
     by_direction[:, :, :2] += (contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] + at_rest) * walk
-    by_direction[np.array([trial.contact.state for trial in trials]) == ContactState.STUCK] = 0.0
+    # Springs do no work in a period. A pair with friction that sticks but just reaches its limit creeps, and does.
+    state = np.array([trial.contact.state for trial in trials])
+    moves = np.array([trial.contact.moves.any(axis=1) for trial in trials])
+    creeps = moves & balance.pairs.frictional().reshape(-1, 3).any(axis=1)
+    by_direction[(state == ContactState.STUCK) & ~creeps] = 0.0
     quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
     viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
     applied = balance.applied(trials) + _self_excitation(trials, displacement, superelement)

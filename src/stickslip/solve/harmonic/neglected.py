@@ -2,8 +2,9 @@
 
 The point is evaluated with more harmonics, and Newton's equations are solved, usually once and to few digits, with the
 tangent of the contact in all of them: what the neglected harmonics of the force move, what their motion changes in the
-others, and how slip limits it. (The residual of the neglected harmonics alone is no estimate: it is the motion of the
-structure with all contacts stuck, whose high modes may have a resonance there, and no damping.)
+others, and how slip limits it. Where the steps stop with much of the residual left, the estimate is at least the first
+one, which the tangent alone determines. (The residual of the neglected harmonics alone is no estimate: it is the motion
+of the structure with all contacts stuck, whose high modes may have a resonance there, and no damping.)
 
 The error is the distance between the point and the curve with more harmonics, up to a shift in time: the change of the
 motion of the structure over that motion (mass norm), and the change of the frequency over the half-power width ``2 zeta
@@ -23,7 +24,7 @@ from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
-from stickslip.solve.harmonic.reduced import LastFactor
+from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.path.arc_length import Tangent
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane, Step
@@ -33,11 +34,13 @@ LEAST_MORE = 4
 # chosen: factor for harmonics beyond these and for the linearisation. Without it the estimate is 0.5 to 1.1 of the true
 # error in 9 of 10 points (benchmarks/accuracy.py).
 MARGIN = 1.5
-# Relative accuracy of the first step; an estimate needs no more.
+# Relative accuracy of the linear solution of a step; an estimate needs no more.
 TOLERANCE = 2e-2
 # chosen: a step that leaves less than this fraction of the residual is enough; usually that is the first one. Contact
 # that changes its state within the step requires more, at most this number.
-ENOUGH, MOST_STEPS = 0.2, 10
+ENOUGH, MOST_STEPS = 0.2, 6
+# The estimate where the equations are singular: the whole motion.
+UNKNOWN = 1.0
 # A residual below that of converged points (NewtonSettings) is round-off, which no step lowers.
 ROUND_OFF = 1e-8
 # Floor of the width of a resonance without damping, over its frequency.
@@ -71,12 +74,16 @@ class Neglected:
 
 @dataclass(frozen=True)
 class CurveAccuracy:
-    """What a curve of varying harmonics has: the wanted accuracy, and harmonics and errors of its points."""
+    """What a curve of varying harmonics has: the wanted accuracy, and harmonics and errors of its points.
+
+    ``limited`` is True if some point has fewer harmonics than it requires, because more of them are too much work.
+    """
 
     accuracy: float
     harmonics: NDArray[np.int64]  # (n_points,)
     errors: FloatArray  # (n_points,) estimated, relative
     at_peak: float  # that of the point with the largest motion
+    limited: bool = False
 
     def words(self) -> str:
         """For the provenance."""
@@ -86,9 +93,16 @@ class CurveAccuracy:
         )
 
 
-def more_harmonics(harmonics: int, samples: int) -> int:
-    """The number of harmonics of an estimate; ``samples`` of a period resolve no more than their half."""
-    return min(harmonics + max(harmonics, LEAST_MORE), (samples - 1) // 2)
+def more_harmonics(harmonics: int, samples: int, damped: int | None = None) -> int:
+    """The number of harmonics of an estimate; ``samples`` of a period resolve no more than their half.
+
+    Harmonics above those that are ``damped``, if given, meet modes without damping: their resonances, which are
+    properties of the model and not of the structure, are left out.
+    """
+    more = harmonics + max(harmonics, LEAST_MORE)
+    if damped is not None:
+        more = min(more, max(damped, harmonics + LEAST_MORE))
+    return min(more, (samples - 1) // 2)
 
 
 def resized_plane(plane: Plane, rows: int) -> Plane:
@@ -126,31 +140,37 @@ def chord_of(before: Trial, after: Trial) -> Tangent:
 def neglected(trial: Trial, own: Balance, fine: Balance, along: Tangent, last: LastFactor | None = None) -> Neglected:
     """The estimate for a trial of the balance ``own``, with the harmonics of ``fine``.
 
-    ``along`` is the direction of the curve at the trial, ``last`` a factor for large systems. The error is infinite
+    ``along`` is the direction of the curve at the trial, ``last`` a factor for large systems. The error is UNKNOWN
     where the equations are singular.
     """
     rows = 2 * fine.harmonics + 1
     curve, plane = FrequencyCurve(fine, trial.load, last), resized_plane(plane_across(trial, own, along), rows)
     start = curve.at(with_rows(trial.relative, rows), trial.omega)
-    point = _corrected(curve, start, plane)
-    if point is None:
-        return Neglected(np.inf, None)
+    point = _FewDigits.corrected(curve, start, plane)
+    ahead = with_rows(along.measured, rows - 1), along.parameter
     away = point.measured - with_rows(trial.amplitude, rows - 1), point.trial.omega - trial.omega
-    error = distance(trial, own, away, (with_rows(along.measured, rows - 1), along.parameter))
+    error = distance(trial, own, away, ahead)
+    if point.error > max(ENOUGH * start.error, ROUND_OFF):
+        first = curve.linearised(start, plane).solve(start.residual, start.conditions, 0.0, TOLERANCE)
+        if not (np.isfinite(first.unknowns).all() and np.isfinite(first.parameters).all()):
+            return Neglected(UNKNOWN, None)
+        straight = curve.measured_change(start, first), float(first.parameters[0])
+        error = max(error, distance(trial, own, straight, ahead))
     return Neglected(MARGIN * error, Step(point.unknowns - start.unknowns, point.parameters - start.parameters))
 
 
-def _corrected(curve: FrequencyCurve, start: BalancePoint, plane: Plane) -> BalancePoint | None:
-    """A point on the plane that has only a fraction of the residual of ``start``; None for singular equations."""
-    step = curve.linearised(start, plane).solve(start.residual, start.conditions, 0.0, TOLERANCE)
-    if not (np.isfinite(step.unknowns).all() and np.isfinite(step.parameters).all()):
-        return None
-    first = curve.evaluate(start.unknowns + step.unknowns, start.parameters + step.parameters)
-    enough = max(ENOUGH * start.error, ROUND_OFF)
-    if first.error <= enough:
-        return first
-    settings = NewtonSettings(tolerance=enough, max_iterations=MOST_STEPS, round_off_factor=1.0)
-    return Newton(curve, settings).correct(min(first, start, key=lambda point: point.error), plane).point
+class _FewDigits(Newton[BalancePoint]):
+    """Newton's method with steps of few digits, until a fraction of the residual is left."""
+
+    @classmethod
+    def corrected(cls, curve: FrequencyCurve, start: BalancePoint, plane: Plane) -> BalancePoint:
+        """A point on the plane that has only a fraction of the residual of ``start``, or the best one."""
+        enough = max(ENOUGH * start.error, ROUND_OFF)
+        settings = NewtonSettings(tolerance=enough, max_iterations=MOST_STEPS, round_off_factor=1.0)
+        return cls(curve, settings).correct(start, plane).point
+
+    def _step_tolerance(self, error: float, sharper: float) -> float:
+        return TOLERANCE
 
 
 def distance(trial: Trial, own: Balance, away: tuple[FloatArray, float], along: tuple[FloatArray, float]) -> float:

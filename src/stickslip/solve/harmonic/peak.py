@@ -19,13 +19,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.optimize
 
 from stickslip.core.fourier import synthesis_row
 from stickslip.core.validation import FloatArray
 from stickslip.results.periodic_amplitude import periodic_maximum
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve, amplitude_row
-from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonSystem
+from stickslip.solve.harmonic.factors import LastFactor
+from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.path.problem import Plane, Step
 
@@ -48,6 +50,18 @@ MOST_PROBES = 14
 INSIDE = 0.1
 # chosen: digits of a tangent.
 TANGENT_TOLERANCE = 1e-6
+# Relative accuracy of an exact peak, near round-off: derivatives of a peak are wrong by the first power of it.
+PLACE = 1e-13
+# chosen: distances in rad of lag at which the slope may have the sign of its side; the first one is a tenth of the
+# width of a resonance, so that the curvature is not that of single samples.
+BRACKET = (0.1, 0.2, 0.4)
+# Largest slope at an exact peak, over the width. The force is sampled, so the slope jumps by about 2 / samples where a
+# sample begins to slip; chosen: ten times the jump with 1024 samples. A change of contact has a slope above 0.1.
+FLAT = 0.02
+
+
+class _NoPointError(Exception):
+    """No point of the curve was found where one is required."""
 
 
 @dataclass(frozen=True)
@@ -97,9 +111,9 @@ class BoundedCurve(FrequencyCurve):
 class PeakSearch:
     """Searches maxima of one output along one frequency curve.
 
-    ``mean_row`` gives the row of the output for the mean of a trial, without the way of a body that walks;
-    ``stuck_omega`` (n,) are the frequencies of the stuck modes in rad/s; searches at other values may share the
-    ``last`` factor.
+    ``mean_row`` gives the row of the output for the mean of a trial, without the way of a body that walks; searches at
+    other values may share the ``last`` factor. A parabola supplies at most ``last_rise`` of the amplitude, unless
+    :meth:`exact` refines the peak; slopes are as accurate as the ``tangent_tolerance``.
     """
 
     def __init__(
@@ -108,15 +122,16 @@ class PeakSearch:
         newton: Newton[BalancePoint],
         output: FloatArray,
         mean_row: Callable[[Trial], FloatArray],
-        stuck_omega: FloatArray,
         last: LastFactor,
+        last_rise: float = LAST_RISE,
+        tangent_tolerance: float = TANGENT_TOLERANCE,
     ) -> None:
         self.curve = curve
         self._newton = newton
         self._modes = curve.balance.compliance.output_modes(output)
         self._mean_row = mean_row
-        self.stuck_omega = stuck_omega
         self.last_factor = last
+        self._last_rise, self._tangent_tolerance = last_rise, tangent_tolerance
         self.on_point: Callable[[], None] = lambda: None
 
     @property
@@ -134,6 +149,42 @@ class PeakSearch:
     def from_point(self, point: BalancePoint) -> CurvePeak | str:
         """The peak near a point of the curve, or why there is none."""
         return self._search(self._probe(point, 0), -1.0)
+
+    def exact(self, peak: CurvePeak) -> CurvePeak | str:
+        """The peak where the slope is zero to round-off, from a search; its curvature is that over ``BRACKET``.
+
+        The points are those in the planes across one tangent. A corner whose slopes are small, of a sampled force,
+        counts as a peak.
+        """
+        base = peak.probe
+        found = {0.0: base}
+
+        def at(length: float) -> Probe:
+            """The point in the plane at a distance, in rad of lag, from the nearest one."""
+            if length not in found:
+                nearest = min(found, key=lambda each: abs(each - length))
+                probe = self._stepped(found[nearest], length - nearest, base.tangent, length)
+                if probe is None or not math.isfinite(probe.slope):
+                    raise _NoPointError
+                found[length] = probe
+            return found[length]
+
+        try:
+            ends = [
+                next((length for length in BRACKET if sign * at(sign * length).slope < 0.0), None)
+                for sign in (1.0, -1.0)
+            ]
+            if ends[0] is None or ends[1] is None:
+                return "the amplitude does not rise on one side of the peak and fall on the other"
+            high, low = ends[0], -ends[1]
+            place = float(scipy.optimize.brentq(lambda length: at(length).slope, low, high, xtol=PLACE * (high - low)))
+            probe, curvature = at(place), (at(high).slope - at(low).slope) / (high - low)
+        except _NoPointError:
+            return "Newton's method did not converge close to the peak"
+        if abs(probe.slope) > FLAT * math.sqrt(-curvature):
+            return "the curve has a corner at its peak: the contact changes its state there"
+        iterations = peak.iterations + sum(each.iterations for each in found.values())
+        return CurvePeak(probe, probe.amplitude, float(probe.point.parameters[0]), curvature, False, iterations)
 
     def _corrected(self, guess: BalancePoint, across: Step) -> Probe | None:
         """Newton's method in the plane through a guess, across a tangent."""
@@ -158,7 +209,7 @@ class PeakSearch:
         system = BorderedSystem(
             NewtonSystem(balance, trial), [balance.residual_slope(by_omega)], rows, self.last_factor
         )
-        tangent = system.solve(np.zeros_like(trial.residual), np.ones(1), TANGENT_TOLERANCE)
+        tangent = system.solve(np.zeros_like(trial.residual), np.ones(1), self._tangent_tolerance)
         if not np.isfinite(tangent.parameters).all():
             return Probe(point, math.nan, math.nan, tangent, iterations)
         change = balance.compliance.amplitude(trial.omega, None, tangent.detail)
@@ -195,10 +246,10 @@ class PeakSearch:
                 rising = probe
             else:
                 falling = probe
-            if curvature < 0.0 and probe.slope**2 <= 2.0 * LAST_RISE * -curvature:
+            if curvature < 0.0 and probe.slope**2 <= 2.0 * self._last_rise * -curvature:
                 return self._inside(_peak_of(probe, curvature, False, iterations))
             if rising is not None and falling is not None:
-                if _rise_of_corner(rising, falling) <= LAST_RISE:
+                if _rise_of_corner(rising, falling) <= self._last_rise:
                     best = max(rising, falling, key=lambda each: each.amplitude)
                     return self._inside(_peak_of(best, curvature, True, iterations))
                 step = _inside_bracket(rising, falling, count % 2 == 0) - probe.lag
@@ -225,17 +276,20 @@ class PeakSearch:
     def _moved(self, probe: Probe, step: float) -> Probe | None:
         """The point at a lag, from a tangent."""
         for fraction in SHORTENED:
-            length, tangent = fraction * step, probe.tangent
-            guess = self.curve.at(
-                probe.point.unknowns + length * tangent.unknowns,
-                float(probe.point.parameters[0] + length * tangent.parameters[0]),
-            )
-            after = self._corrected(guess, tangent)
+            length = fraction * step
+            after = self._stepped(probe, length, probe.tangent, probe.lag + length)
             if after is not None:
-                return Probe(
-                    after.point, after.amplitude, after.slope, after.tangent, after.iterations, probe.lag + length
-                )
+                return after
         return None
+
+    def _stepped(self, probe: Probe, length: float, tangent: Step, lag: float) -> Probe | None:
+        """The point a step along a tangent ahead, in the plane across it; ``lag`` is its coordinate."""
+        guess = self.curve.at(
+            probe.point.unknowns + length * tangent.unknowns,
+            float(probe.point.parameters[0] + length * tangent.parameters[0]),
+        )
+        after = self._corrected(guess, tangent)
+        return None if after is None else replace(after, lag=lag)
 
 
 def _lag_weights(amplitude: FloatArray) -> FloatArray:

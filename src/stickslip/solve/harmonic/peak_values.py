@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.optimize
 
+from stickslip.core.fourier import synthesis_matrix, synthesis_row
 from stickslip.core.validation import FloatArray
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.harmonic.balance import Balance, Trial
@@ -63,30 +64,26 @@ def _weights_of_largest(coefficients: FloatArray) -> FloatArray:
 
     They are also its derivative, because the signal is stationary at this instant.
     """
+    return max((weights_of_extreme(coefficients, sign) for sign in (1.0, -1.0)), key=lambda each: each @ coefficients)
+
+
+def weights_of_extreme(coefficients: FloatArray, sign: float) -> FloatArray:
+    """The same for the largest value of ``sign`` times the signal."""
     harmonics = len(coefficients) // 2
     order = np.arange(1, harmonics + 1)
-
-    def basis(angle: float) -> FloatArray:
-        row = np.ones(2 * harmonics + 1)
-        row[1::2], row[2::2] = np.cos(order * angle), np.sin(order * angle)
-        return row
-
-    angles = 2.0 * np.pi * np.arange(INSTANTS) / INSTANTS
-    signal = np.array([basis(angle) @ coefficients for angle in angles])
-    best = int(np.abs(signal).argmax())
-    sign = np.sign(signal[best]) or 1.0
+    signal = sign * (synthesis_matrix(harmonics, INSTANTS) @ coefficients)
     step = 2.0 * np.pi / INSTANTS
+    angle = step * int(signal.argmax())
 
-    def slope(angle: float) -> float:
+    def slope(at: float) -> float:
         row = np.zeros(2 * harmonics + 1)
-        row[1::2], row[2::2] = -order * np.sin(order * angle), order * np.cos(order * angle)
+        row[1::2], row[2::2] = -order * np.sin(order * at), order * np.cos(order * at)
         return float(sign * row @ coefficients)
 
-    ends = angles[best] - step, angles[best] + step
-    angle = angles[best]
+    ends = angle - step, angle + step
     if slope(ends[0]) > 0.0 > slope(ends[1]):
-        angle = scipy.optimize.brentq(slope, *ends, xtol=1e-15)
-    return sign * basis(float(angle))
+        angle = float(scipy.optimize.brentq(slope, *ends, xtol=1e-15))
+    return sign * synthesis_row(harmonics, angle)
 
 
 def frequency(trial: Trial) -> PointValue:

@@ -3,33 +3,39 @@
 A small system is factored. A large one is solved by GMRES without ever forming the matrix: A is a static compliance
 plus a few modes, D works pair by pair. The structure around a joint is stiff compared with the stiffness that slip
 releases, so I + D A is well conditioned (170 on the two-blade model with all pairs slipping) and a dozen iterations
-give the digits that one Newton step can use; otherwise the matrix is formed and factored. The factor then
-preconditions the systems of the next steps, which differ little from it (a light body that bounces on its contacts: 5
-to 30 iterations, where none of the systems converges without).
+give the digits that one Newton step can use. Where they do not (a light body that bounces on its contacts), the blocks
+of few harmonics on the diagonal of the matrix are factored and precondition the system: the coupling of the harmonics
+is what the iteration adds. Only if that fails the whole matrix is formed and factored. What was factored then
+preconditions the systems of the next steps, which differ little from it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgetrf, dgetrs  # small systems: scipy's own calls around them cost as much again
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
+from stickslip.solve.harmonic.factors import BlockFactor, Factor, LastFactor, Product, iterated
 from stickslip.solve.path.problem import Step
 
 # Below this size a factor, which serves for all right-hand sides, costs less than the iterations (measured: 0.9 ms with
-# 330 rows, where 17 iterations cost 1.3 ms and 31 cost 5.6 ms). MAX_ITERATIONS chosen: ten times the usual number; the
+# 330 rows, where 17 iterations cost 1.3 ms and 31 cost 5.6 ms). MAX_ITERATIONS chosen: ten times the usual number; a
 # factor follows.
 DIRECT_SIZE = 500
 MAX_ITERATIONS = 120
 # chosen: twice the usual largest number of iterations with the factor of an earlier system.
 PRECONDITIONED_ITERATIONS = 60
+# chosen: a block on the diagonal has one harmonic, or as many as have no more than this number of rows (110 pairs that
+# all separate, 46 harmonics, 26,600 rows: 79 iterations to 1e-6 with blocks of one harmonic, which take 1.7 s, 72 with
+# blocks of two and 51 with blocks of five, which take 12 s; none in 240 iterations without).
+BLOCK_ROWS = 1000
+# chosen: a larger matrix is not factored as a whole (8000 rows: 20 s and 0.5 GB); the step then fails.
+MOST_ROWS = 8000
 # chosen: digits of the answers to borders, which all solutions with one matrix share.
 ANSWER_TOLERANCE = 1e-6
 
@@ -90,23 +96,28 @@ class NewtonSystem:
         """(I + D A) @ unknowns."""
         return np.asarray(unknowns + self.deviation_change(self.comply(unknowns)))
 
-    def matrix(self, borders: int = 0) -> FloatArray:
+    def matrix(self, borders: int = 0, columns: slice | None = None) -> FloatArray:
         """I + D A (size, size), with so many rows and columns beside it that are not filled.
 
-        The largest array of a curve: each block goes to its place at once, since new memory takes as long as a factor.
+        With ``columns`` the block of these coefficients alone: with a cosine also its sine. The whole is the largest
+        array of a curve: each block goes to its place at once, since new memory takes as long as a factor.
         """
         active, compliance = self.active, self.compliance
-        n_pairs, n_out, n_col = active.pairs.size, active.outputs.size, self.columns
-        matrix = np.empty((self.size + borders, self.size + borders))
-        blocks = matrix[: self.size, : self.size].reshape(n_col, n_out, n_col, n_out)  # no copy: it splits both axes
-        tangent = self.tangent.reshape(n_pairs, 3 * n_col, 3, n_col)
+        first, last, _ = (columns or slice(None)).indices(self.columns)
+        n_pairs, n_out, n_col, n_all = active.pairs.size, active.outputs.size, last - first, self.columns
+        size = n_col * n_out
+        matrix = np.empty((size + borders, size + borders))
+        blocks = matrix[:size, :size].reshape(n_col, n_out, n_col, n_out)  # no copy: it splits both axes
+        tangent = self.tangent.reshape(n_pairs, 3, n_all, 3, n_all)[:, :, first:last]
+        tangent = tangent.reshape(n_pairs, 3 * n_col, 3, n_all)
 
         def fill(column: int, tangents: FloatArray, compliances: FloatArray) -> None:
             product = (tangents @ compliances).reshape(n_pairs * 3, n_col, n_out)
-            blocks[:, :, column] = product[active.output_position].transpose(1, 0, 2)
+            blocks[:, :, column - first] = product[active.output_position].transpose(1, 0, 2)
 
-        fill(0, tangent[:, :, :, 0], compliance.mean[:, active.inputs].T.reshape(n_pairs, 3, n_out))
-        for order in range(1, n_col // 2 + 1):
+        if first == 0:
+            fill(0, tangent[:, :, :, 0], compliance.mean[:, active.inputs].T.reshape(n_pairs, 3, n_out))
+        for order in range(first // 2 + 1, last // 2 + 1):
             block = compliance.block(order, active.inputs).reshape(n_pairs, 3, n_out)
             cosine, sine = 2 * order - 1, 2 * order
             # Complex amplitudes are c - i s, so x_c = a d_c + b d_s and x_s = a d_s - b d_c for A = a + i b.
@@ -114,61 +125,15 @@ class NewtonSystem:
             real, imaginary = block.real, block.imag
             fill(cosine, both, np.concatenate([real, -imaginary], axis=1))
             fill(sine, both, np.concatenate([imaginary, real], axis=1))
-        diagonal = np.arange(self.size)
+        diagonal = np.arange(size)
         matrix[diagonal, diagonal] += 1.0
         return matrix
 
-
-class Factor:
-    """The LU factor of a square matrix, in its place: LAPACK reads rows as columns, so it factors the transpose.
-
-    A singular matrix gives solutions that are not finite.
-    """
-
-    def __init__(self, matrix: FloatArray) -> None:
-        self._factor = dgetrf(matrix.T, overwrite_a=True)[:2]
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """The solution (n,) for a right-hand side."""
-        return np.asarray(dgetrs(*self._factor, right, trans=1)[0])
-
-    def solve_transposed(self, right: FloatArray) -> FloatArray:
-        """The solution (n,) of the transposed matrix."""
-        return np.asarray(dgetrs(*self._factor, right)[0])
-
-
-class LastFactor:
-    """The last factored bordered system of a curve, as a preconditioner of the next ones.
-
-    Rows that it does not have stay as they are.
-    """
-
-    def __init__(self) -> None:
-        self._factor: Factor | None = None
-        self._keys = np.empty(0, dtype=np.int64)
-
-    def store(self, factor: Factor, keys: NDArray[np.int64]) -> None:
-        """The factor of a system with rows ``keys``, in their order (see :meth:`BorderedSystem.keys`)."""
-        self._factor, self._keys = factor, keys
-
-    def forget(self) -> None:
-        """Release a factor that no longer helps."""
-        self._factor = None
-
-    def inverse(self, keys: NDArray[np.int64]) -> LinearOperator | None:
-        """The inverse of the stored system on the rows of another one, None without a stored system."""
-        factor = self._factor
-        if factor is None:
-            return None
-        _, here, there = np.intersect1d(keys, self._keys, assume_unique=True, return_indices=True)
-
-        def apply(vector: FloatArray) -> FloatArray:
-            answer, known = vector.ravel().copy(), np.zeros(self._keys.size)
-            known[there] = answer[here]
-            answer[here] = factor.solve(known)[there]
-            return answer
-
-        return LinearOperator((keys.size, keys.size), matvec=apply, dtype=float)
+    def blocks(self) -> list[slice]:
+        """The coefficients of the blocks on the diagonal that are factored alone, see BLOCK_ROWS."""
+        each = max(1, int(BLOCK_ROWS / (2 * max(self.active.outputs.size, 1))))  # harmonics
+        firsts = [0, *range(2 * each + 1, self.columns, 2 * each)]
+        return [slice(*ends) for ends in zip(firsts, [*firsts[1:], self.columns], strict=True)]
 
 
 class BorderedSystem:
@@ -229,7 +194,7 @@ class BorderedSystem:
         if system.size > DIRECT_SIZE and self._factor is None:
             answer = self._iterated(right, tolerance)
         if answer is None:
-            answer = self._whole_factor().solve(right)
+            answer = self._factored(right)
         if not np.isfinite(answer).all():
             nowhere = np.full_like(residual, np.nan)
             return Step(nowhere, np.full(len(self._rows), np.nan), nowhere)
@@ -292,28 +257,62 @@ class BorderedSystem:
         return self._solved(self._apply, self.keys(), right, tolerance)
 
     def _solved(
-        self, apply: Callable[[FloatArray], FloatArray], keys: NDArray[np.int64], right: FloatArray, tolerance: float
+        self, apply: Product, keys: NDArray[np.int64], right: FloatArray, tolerance: float
     ) -> FloatArray | None:
-        """The solution of a matrix with rows ``keys`` by GMRES, with the last factor if there is one; None if it did
-        not converge."""
+        """The solution of a matrix with rows ``keys`` by GMRES, None if it did not converge.
+
+        With the last factor if there is one, else without; then with the blocks of the matrix.
+        """
         if not right.any():
             return np.zeros_like(right)
         inverse = self._last.inverse(keys)
-        if inverse is not None:
-            answer = _gmres(apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
-            if answer is not None:
-                return answer
-            self._last.forget()
-        return _gmres(apply, right, tolerance, MAX_ITERATIONS)
+        if inverse is None:
+            answer = iterated(apply, right, tolerance, MAX_ITERATIONS)
+        else:
+            answer = iterated(apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
+        blocks = self.system.blocks()
+        if answer is not None or len(blocks) == 1:
+            return answer
+        self._last.forget()
+        factor = self._block_factor(blocks, borders=keys.size - self.system.size)
+        answer = iterated(apply, right, tolerance, MAX_ITERATIONS, factor.solve)
+        if answer is not None:
+            self._last.store(factor, keys)
+        return answer
+
+    def _block_factor(self, blocks: Sequence[slice], borders: int) -> BlockFactor:
+        """The factor of blocks of coefficients, of which the first one has the borders, if any."""
+        system, parts = self.system, []
+        outputs = system.active.outputs.size
+        for columns in blocks:
+            beside = 0 if columns.start else borders
+            rows = np.arange(columns.start * outputs, columns.stop * outputs)
+            block = system.matrix(beside, columns)
+            if beside:
+                self._border(block, rows)
+                rows = np.append(rows, system.size + np.arange(beside))
+            parts.append((rows, block))
+        return BlockFactor(parts)
+
+    def _border(self, matrix: FloatArray, rows: NDArray[np.int64] | slice) -> None:
+        """Fill the borders of a matrix of some inner rows."""
+        count = len(self._rows)
+        inner = len(matrix) - count
+        matrix[:inner, inner:], matrix[inner:, :inner] = self._columns[:, rows].T, self._lines[:, rows]
+        matrix[inner:, inner:] = self._corner
+
+    def _factored(self, right: FloatArray) -> FloatArray:
+        """The solution with the factor of the whole matrix; not finite for a matrix too large for that."""
+        if self.system.size > MOST_ROWS:
+            return np.full_like(right, np.nan)
+        return self._whole_factor().solve(right)
 
     def _whole_factor(self) -> Factor:
         """The factor of the bordered matrix."""
         if self._factor is None:
             size = self.system.size
             bordered = self.system.matrix(borders=len(self._rows))
-            for i, (column, line) in enumerate(zip(self._columns, self._lines, strict=True)):
-                bordered[:size, size + i], bordered[size + i, :size] = column, line
-            bordered[size:, size:] = self._corner
+            self._border(bordered, slice(None))
             # A singular matrix gives a step that is not finite; Newton ends there and reports it.
             self._factor = Factor(bordered)
             if size > DIRECT_SIZE:
@@ -356,32 +355,6 @@ class EliminatedSystem(BorderedSystem):
             self._inner_factor = Factor(self.system.matrix())
             self._last.store(self._inner_factor, keys)
         return self._inner_factor.solve(right)
-
-
-def _gmres(
-    apply: Callable[[FloatArray], FloatArray],
-    right: FloatArray,
-    tolerance: float,
-    iterations: int,
-    inverse: LinearOperator | None = None,
-) -> FloatArray | None:
-    """The solution by at most twice so many iterations, or None."""
-    operator = _Matrix(right.size, apply)
-    answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=2, M=inverse)
-    return None if failure else np.asarray(answer)
-
-
-class _Matrix(LinearOperator):  # type: ignore[misc]
-    """A square matrix as a function of a vector, without the checks of shapes that scipy makes in each product."""
-
-    def __init__(self, size: int, apply: Callable[[FloatArray], FloatArray]) -> None:
-        super().__init__(np.dtype(float), (size, size))
-        self._apply = apply
-
-    def _matvec(self, x: FloatArray) -> FloatArray:
-        return self._apply(x)
-
-    matvec = _matvec
 
 
 def _inverse(length: float) -> float:

@@ -22,9 +22,10 @@ from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.harmonic.peak_values import weights_of_extreme
 from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 
-# Samples of the period for the instant of the largest displacement; its error enters only to second order.
+# Samples of the period for the largest variation of a traction.
 INSTANTS = 512
 # chosen: a stuck pair that releases less than this fraction of its limit gets no traction. Many pairs that only creep
 # at their limit make curves that the path follower loses (two-blade model).
@@ -33,35 +34,42 @@ LEAST_SHARE = 0.3
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number of a point, and its derivative by the residual tractions, (n_pairs, 2) per N.
+    """A number of a point, and its dependence on the residual tractions, (n_pairs, 2) per N.
 
-    For a pair that sticks throughout it is the effect of what the pair releases at its limit, over that limit.
+    ``derivative`` is zero for a pair that sticks throughout. ``released`` is zero for all others: the effect of what
+    such a pair releases at its limit, over that limit.
     """
 
     value: float
-    by_traction: FloatArray
+    derivative: FloatArray
+    released: FloatArray
+
+    @property
+    def by_traction(self) -> FloatArray:
+        """Both together."""
+        return self.derivative + self.released
 
 
 class TractionSensitivity:
-    """Derivatives at one point of a frequency curve with retained tractions; ``before`` and ``after`` are neighbours.
+    """Derivatives at a point of a frequency curve with retained tractions; ``along`` (2H+1, m) is its direction there.
 
     The derivative is at a fixed place along the curve, so at a peak it is that of the peak, at a fold that of the fold.
     """
 
-    def __init__(self, balance: Balance, point: BalancePoint, before: BalancePoint, after: BalancePoint) -> None:
+    def __init__(self, balance: Balance, point: BalancePoint, along: FloatArray) -> None:
         self._balance, self._trial = balance, point.trial
-        chord = balance.determined(after.unknowns - before.unknowns)
+        chord = balance.determined(along)
         system = NewtonSystem(balance, point.trial)
-        along = Row(np.zeros(1), relative=chord / float(np.linalg.norm(chord)))
+        place = Row(np.zeros(1), relative=chord / float(np.linalg.norm(chord)))
         self._system = system
         self._sticks = np.asarray(~point.trial.contact.moves.any(axis=1))
         self._released_share = released_share(balance, point)
-        self._bordered = BorderedSystem(system, [balance.frequency_slope(point.trial)], [along])
+        self._bordered = BorderedSystem(system, [balance.frequency_slope(point.trial)], [place])
 
     def frequency(self) -> Quantity:
         """The frequency in Hz."""
         still = np.zeros_like(self._trial.deviation)
-        return Quantity(self._trial.omega / (2.0 * np.pi), self._by_traction(still, 1.0) / (2.0 * np.pi))
+        return self._quantity(self._trial.omega / (2.0 * np.pi), still, 1.0 / (2.0 * np.pi))
 
     def extremes(self, output: FloatArray, of_mean: FloatArray) -> tuple[Quantity, Quantity]:
         """The largest value of ``output @ u(t)`` over the period, and that of ``-output @ u(t)``.
@@ -71,12 +79,11 @@ class TractionSensitivity:
         balance, trial = self._balance, self._trial
         displacement = balance.displacement([trial])[0]
         coefficients = np.concatenate([displacement[:1] @ of_mean, displacement[1:] @ output])
-        synthesis = synthesis_matrix(balance.harmonics, INSTANTS)
-        signal = synthesis @ coefficients
-        return tuple(  # type: ignore[return-value]
-            self._value_at(synthesis[int((sign * signal).argmax())] * sign, coefficients, output, of_mean)
+        upper, lower = (
+            self._value_at(weights_of_extreme(coefficients, sign), coefficients, output, of_mean)
             for sign in (1.0, -1.0)
         )
+        return upper, lower
 
     def _value_at(
         self, weights: FloatArray, coefficients: FloatArray, output: FloatArray, of_mean: FloatArray
@@ -87,10 +94,10 @@ class TractionSensitivity:
         by_deviation = compliance.amplitude_transposed(trial.omega, modal)
         by_deviation[0] = weights[0] * compliance.mean_transposed(of_mean)
         by_omega = float((modal * self._balance.amplitude_slope(trial)).sum())
-        return Quantity(float(weights @ coefficients), self._by_traction(by_deviation, by_omega))
+        return self._quantity(float(weights @ coefficients), by_deviation, by_omega)
 
-    def _by_traction(self, by_deviation: FloatArray, by_omega: float) -> FloatArray:
-        """(n_pairs, 2) the derivative of a number with these derivatives by the deviation (2H+1, m) and by omega."""
+    def _quantity(self, value: float, by_deviation: FloatArray, by_omega: float) -> Quantity:
+        """A number with these derivatives by the deviation (2H+1, m) and by omega."""
         system = self._system
         weights = system.scatter(self._bordered.solve_transposed(by_deviation, np.array([by_omega])))
         active = system.active.pairs
@@ -101,7 +108,8 @@ class TractionSensitivity:
         answer = np.divide(by_mean, springs, out=np.zeros_like(by_mean), where=springs > 0.0)
         by_force = by_deviation[0] - self._balance.compliance.mean_relative(by_mean.ravel())
         released = -by_force.reshape(-1, 3) * self._released_share[:, None]
-        return np.where(self._sticks[:, None], released, answer)[:, :2]
+        sticks = self._sticks[:, None]
+        return Quantity(value, np.where(sticks, 0.0, answer)[:, :2], np.where(sticks, released, 0.0)[:, :2])
 
 
 def released_share(balance: Balance, point: BalancePoint) -> FloatArray:

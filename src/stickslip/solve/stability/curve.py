@@ -30,6 +30,9 @@ FIRST_SAMPLES, SAMPLES_PER_HARMONIC, FINEST = 128, 16, 4
 # number: 97 of 100 multipliers above 0.9 of the benchmark blades and the default two-blade case, against four times the
 # samples.
 FIRST_ERROR, LARGEST_ERROR = 0.15, 0.01
+# A point with a larger multiplier is unstable whatever the error by samples, so it needs no second number of samples:
+# its others, near the circle, change no verdict, only where their numbers change along an unstable part.
+SURELY_OUTSIDE = 1.5
 # Round-off of the march, where no contact changes.
 ROUND_OFF = 1e-7
 # Number of multipliers of each point in a result, and the relative imaginary part below which one is real.
@@ -99,8 +102,16 @@ class _Verdict:
         return np.asarray(np.abs(self.values.imag) <= REAL * np.abs(self.values))
 
     @property
+    def is_surely_unstable(self) -> bool:
+        """Whether a multiplier is outside of the unit circle by more than any error."""
+        return bool((np.abs(self.values) > SURELY_OUTSIDE).any())
+
+    @property
     def undecided(self) -> bool:
-        """Whether a multiplier is closer to the unit circle than its error; folds decide about a real one near 1."""
+        """Whether a multiplier is closer to the unit circle than its error, and no other one decides; folds decide
+        about a real one near 1."""
+        if self.is_surely_unstable:
+            return False
         beside_fold = self._real & (self.values.real > 0.0)
         unsure = np.abs(np.abs(self.values) - 1.0) <= self.errors
         return bool((unsure & ~beside_fold).any())
@@ -172,7 +183,7 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> _Verdi
     verdict = _Verdict(values, np.maximum(errors, ROUND_OFF))
     # A pair or a negative multiplier outside of the circle has no fold that confirms it.
     counts, samples = verdict.counts(), first
-    confirmed = not (counts.negative or counts.complex)
+    confirmed = verdict.is_surely_unstable or not (counts.negative or counts.complex)
     while samples < FINEST * first and (verdict.undecided or not confirmed):
         samples, confirmed = 2 * samples, True
         values = multipliers(model, pairs, trial, samples)

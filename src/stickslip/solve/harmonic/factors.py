@@ -1,0 +1,124 @@
+"""Factors of Newton matrices, and the iteration that uses them as preconditioners."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgetrf, dgetrs  # small systems: scipy's own calls around them cost as much again
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from stickslip.core.validation import FloatArray
+
+Product = Callable[[FloatArray], FloatArray]
+
+
+class Inverse(Protocol):
+    """What solves a system, exactly or nearly."""
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """The solution (n,) for a right-hand side."""
+        ...
+
+
+class Factor:
+    """The LU factor of a square matrix, in its place: LAPACK reads rows as columns, so it factors the transpose.
+
+    A singular matrix gives solutions that are not finite.
+    """
+
+    def __init__(self, matrix: FloatArray) -> None:
+        self._factor = dgetrf(matrix.T, overwrite_a=True)[:2]
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """The solution (n,) for a right-hand side."""
+        return np.asarray(dgetrs(*self._factor, right, trans=1)[0])
+
+    def solve_transposed(self, right: FloatArray) -> FloatArray:
+        """The solution (n,) of the transposed matrix."""
+        return np.asarray(dgetrs(*self._factor, right)[0])
+
+
+class BlockFactor:
+    """The factors of the diagonal blocks of a matrix.
+
+    Parameters
+    ----------
+    blocks:
+        their rows, which together are all rows of the matrix, and the block of these rows and columns.
+    """
+
+    def __init__(self, blocks: Sequence[tuple[NDArray[np.int64], FloatArray]]) -> None:
+        self._parts = [(rows, Factor(block)) for rows, block in blocks]
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """The solution (n,) of the matrix without what is outside of its blocks."""
+        answer = np.empty_like(right)
+        for rows, factor in self._parts:
+            answer[rows] = factor.solve(right[rows])
+        return answer
+
+
+class LastFactor:
+    """The last factored bordered system of a curve, as a preconditioner of the next ones.
+
+    Rows that it does not have stay as they are.
+    """
+
+    def __init__(self) -> None:
+        self._factor: Inverse | None = None
+        self._keys = np.empty(0, dtype=np.int64)
+
+    def store(self, factor: Inverse, keys: NDArray[np.int64]) -> None:
+        """The factor of a system with rows ``keys``, in their order (see :meth:`BorderedSystem.keys`)."""
+        self._factor, self._keys = factor, keys
+
+    def forget(self) -> None:
+        """Release a factor that no longer helps."""
+        self._factor = None
+
+    def inverse(self, keys: NDArray[np.int64]) -> Product | None:
+        """The inverse of the stored system on the rows of another one, None without a stored system."""
+        factor = self._factor
+        if factor is None:
+            return None
+        _, here, there = np.intersect1d(keys, self._keys, assume_unique=True, return_indices=True)
+
+        def apply(vector: FloatArray) -> FloatArray:
+            answer, known = vector.copy(), np.zeros(self._keys.size)
+            known[there] = answer[here]
+            answer[here] = factor.solve(known)[there]
+            return answer
+
+        return apply
+
+
+def iterated(
+    apply: Product, right: FloatArray, tolerance: float, iterations: int, inverse: Product | None = None
+) -> FloatArray | None:
+    """The solution (n,) by GMRES with at most so many iterations, or None.
+
+    An ``inverse`` acts first on the unknowns, so that the tolerance remains that of the system.
+    """
+    product = apply if inverse is None else lambda vector: apply(inverse(vector))
+    answer, failure = gmres(
+        _Matrix(right.size, product), right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=1
+    )
+    if failure:
+        return None
+    return np.asarray(answer if inverse is None else inverse(answer))
+
+
+class _Matrix(LinearOperator):  # type: ignore[misc]
+    """A square matrix as a function of a vector, without the checks of shapes that scipy makes in each product."""
+
+    def __init__(self, size: int, apply: Product) -> None:
+        super().__init__(np.dtype(float), (size, size))
+        self._apply = apply
+
+    def _matvec(self, x: FloatArray) -> FloatArray:
+        return self._apply(x)
+
+    matvec = _matvec
