@@ -86,16 +86,18 @@ def test_the_file_of_a_study_comes_back() -> None:
         ("analysis.running_in_depth", {"analysis.running_in_sq": "1 um"}),
         ("analysis.over", {"analysis.over": "friction.coefficient"}),
         ("preload.residual_traction", {"preload.method": "solved", "preload.residual_traction": "kept"}),
-        (
-            "analysis.running_in_sq",
-            {"contact_stiffness.normal_stiffness": 1e8, "contact_stiffness.tangential_stiffness": 1e8,
-             "analysis.running_in_sq": "1 um", "analysis.running_in_depth": "1 um"},
-        ),
     ],
 )  # fmt: skip
 def test_keys_that_contradict_wear_are_rejected(key: str, changes: dict[str, Any]) -> None:
     with rejects(StudyFileError, key):
         quick_case().replace(WEAR | changes)
+
+
+def test_running_in_without_roughness_is_rejected() -> None:
+    wear = {"kind": "wear", "wear_coefficient": 1e-14, "running_in_sq": "1 um", "running_in_depth": "1 um"}
+    stiffness = {"normal_stiffness": 1e8, "tangential_stiffness": 1e8}
+    with rejects(StudyFileError, "analysis.running_in_sq"):
+        Case.from_mapping({"analysis": wear, "contact_stiffness": stiffness})
 
 
 def test_keys_of_wear_belong_to_its_kind() -> None:
