@@ -63,7 +63,7 @@ def test_the_figure_shows_amplitude_frequency_and_depth() -> None:
     above, middle, below = wear_of().plot().axes
     assert above.lines[0].get_ydata() == pytest.approx([100.0, 80.0, 120.0])
     assert middle.lines[0].get_ydata() == pytest.approx([450.0, 451.0, 449.5])
-    assert [line.get_ydata()[-1] for line in below.lines] == pytest.approx([6.0, 5.0])
+    assert [np.asarray(line.get_ydata())[-1] for line in below.lines] == pytest.approx([6.0, 5.0])
 
 
 @pytest.mark.parametrize(

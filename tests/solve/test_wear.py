@@ -140,7 +140,7 @@ def test_a_fixed_frequency_agrees_with_explicit_cycle_jumps() -> None:
         curve = ss.forced_response(
             structure, now, excitation, frequency_hz=(hertz, 1.0001 * hertz), harmonics=3, samples=256
         )
-        return alpha * curve.friction_energy[0] / AREA
+        return np.asarray(alpha * curve.friction_energy[0] / AREA)
 
     depth = np.zeros(4)
     for _ in range(jumps):  # midpoint rule
@@ -245,7 +245,7 @@ def test_arguments_that_cannot_be_used_are_rejected(argument: str, changes: dict
 
 
 def _with_another_law(operator: FloatArray) -> ss.ContactPairs:
-    return ss.ContactPairs.with_laws(operator, [ss.JenkinsElement([1e9], [100.0])], [[0]])
+    return ss.ContactPairs.with_laws(operator, [ss.JenkinsElement(np.array([1e9]), np.array([100.0]))], [[0]])
 
 
 @pytest.mark.parametrize(

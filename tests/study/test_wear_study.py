@@ -93,10 +93,11 @@ def test_keys_that_contradict_wear_are_rejected(key: str, changes: dict[str, Any
         quick_case().replace(WEAR | changes)
 
 
-def test_a_given_stiffness_does_not_run_in() -> None:
-    stiffness = {f"contact_stiffness.{direction}_stiffness": 1e8 for direction in ("normal", "tangential")}
+def test_running_in_without_roughness_is_rejected() -> None:
+    wear = {"kind": "wear", "wear_coefficient": 1e-14, "running_in_sq": "1 um", "running_in_depth": "1 um"}
+    stiffness = {"normal_stiffness": 1e8, "tangential_stiffness": 1e8}
     with rejects(StudyFileError, "analysis.running_in_sq"):
-        Case().replace(WEAR | stiffness | {"analysis.running_in_sq": "1 um", "analysis.running_in_depth": "1 um"})
+        Case.from_mapping({"analysis": wear, "contact_stiffness": stiffness})
 
 
 def test_keys_of_wear_belong_to_its_kind() -> None:

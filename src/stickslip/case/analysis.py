@@ -66,7 +66,7 @@ WEAR_KEYS = (
     "wear_coefficient", "energy_wear_coefficient", "wear_cycles", "wear_frequency", "running_in_sq", "running_in_depth",
 )  # fmt: skip
 KIND = "forced, mode, ridge or wear"
-# Rubber on emery loses 1e-10 m3/(N m), lubricated gears 1e-19; polished sapphire less.
+# Dry metals lose about 1e-14 m3/(N m), abrasive faces up to 1e-10, lubricated ones down to 1e-19.
 WearCoefficient = Annotated[
     float,
     Quantity("wear coefficient", shown="mm^3/(N m)", at_least=1e-30, at_most=1e-6, usual=(1e-20, 1e-10)),
