@@ -139,6 +139,28 @@ def test_a_peak_that_leaves_the_frequency_range_ends_its_ridge() -> None:
     assert "the peak leaves the frequency range" in ridge.message
 
 
+def test_where_the_highest_peak_left_the_range_the_next_one_is_no_optimum() -> None:
+    """A high resonance leaves the range of frequencies below a stiffness; a low one stays in it."""
+
+    def problem_at(factor: float) -> Problem:
+        structure, pairs, excitation = two_resonances((1.0, 0.1))
+        softer = np.diag([factor, 1.0]) @ structure.stiffness
+        return ss.Superelement(structure.mass, softer, structure.damping), pairs, excitation
+
+    ridge = ss.peak_ridge(
+        problem_at, (0.5, 1.1), [1.0, 1.0], frequency_hz=(8.0, 1.5 * OMEGA[1] / (2.0 * np.pi)), harmonics=1,
+        samples=16, name="stiffness",
+    )  # fmt: skip
+    left = float(ridge.unknown[0, 1])
+    assert 0.6 < left < 0.65
+    assert ridge.unknown[0, 0] == 0.5
+    assert np.isnan(ridge.at(0.55).amplitude).all()
+    assert ridge.at(0.7).amplitude > 0.0
+    assert not ridge.converged
+    assert "the peak leaves the frequency range" in ridge.message
+    assert ridge.optimum.parameter >= left * (1.0 - 1e-9)
+
+
 def test_no_peak_in_the_range_is_an_error() -> None:
     with rejects(ss.ConvergenceError):
         ss.peak_ridge(

@@ -82,6 +82,9 @@ class PeakRidge(Labelled):
         of the frequency range are omitted.
     free_parameter, free_amplitude, free_frequency_hz:
         (n_free,) the same without contacts.
+    unknown:
+        (n_unknown, 2) ranges of the parameter, ends excluded, in which the highest ridge is not the highest motion for
+        certain: a higher one ended beside them.
     ends:
         for each ridge the reasons why it ends below and above; "" where it reaches the end of the range.
     converged, message:
@@ -134,8 +137,17 @@ class PeakRidge(Labelled):
     )
     provenance: dict[str, str] = field(metadata=stored(Json(dict[str, str], "software and machine, JSON object")))
 
+    unknown: FloatArray = field(
+        default_factory=lambda: np.zeros((0, 2)),
+        metadata=stored(
+            Numbers(("unknown_range", "end"), "1", "ranges in which the highest peak is unknown", optional=True)
+        ),
+    )
+
     def __post_init__(self) -> None:
         sizes = {
+            "unknown_range": len(self.unknown),
+            "end": 2,
             "ridge_point": np.size(self.parameter),
             "stuck_point": np.size(self.stuck_parameter),
             "free_point": np.size(self.free_parameter),
@@ -168,7 +180,7 @@ class PeakRidge(Labelled):
         """The same ridges over the parameter divided by ``scale``, with another name and unit."""
         scaled: dict[str, Any] = {
             key: np.asarray(getattr(self, key)) / scale
-            for key in ("parameter", "stuck_parameter", "free_parameter", "start", "stop")
+            for key in ("parameter", "stuck_parameter", "free_parameter", "start", "stop", "unknown")
         }
         return replace(self, **scaled, parameter_name=name, parameter_unit=unit)
 
@@ -190,6 +202,9 @@ class PeakRidge(Labelled):
             height, hertz = self._interpolated(ridge, values)
             higher = height > amplitude
             amplitude[higher], frequency[higher], number[higher] = height[higher], hertz[higher], ridge
+        for low, high in self.unknown:
+            number[(values > low * (1.0 + 1e-12)) & (values < high * (1.0 - 1e-12))] = -1
+        frequency[number < 0] = np.nan
         return HighestPeak(values, np.where(number >= 0, amplitude, np.nan), frequency, number)
 
     def _interpolated(self, ridge: int, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -104,6 +104,7 @@ def ridge_between(
         for value in bounds:
             ridges.add_curve(value)
         ridges.refine()
+        ridges.check_ends()
         result = ridges.result(name, unit, output_name)
     options = {
         "frequency_start_hz": first.window[0],

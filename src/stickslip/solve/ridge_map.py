@@ -32,6 +32,9 @@ INTERPOLATION_ERROR = 5e-4
 # A point left out has an interval of twice the length, whose interpolation has at least so many times the error (at a
 # corner of the ridge; eight times where it is smooth).
 ERROR_OF_LEFT_OUT = 2.0
+# chosen: an amplitude of a curve that is higher than all ridges by this fraction belongs to none of them; curves are
+# 0.1 % above their ridges at most.
+ABOVE_RIDGES = 0.01
 # chosen: a ridge is refined where it has more than this fraction of the highest one, on both sides of a switch.
 NEAR_HIGHEST = 0.95
 
@@ -72,6 +75,7 @@ class RidgeMap:
         self._named = named
         self._stuck: dict[float, Peak] = {}
         self._free: dict[float, Peak] = {}
+        self._unknown: list[tuple[float, float]] = []
         self.ridges: list[_Ridge] = []
         self.warnings: list[str] = []
         self.points_of_curves = 0
@@ -85,8 +89,11 @@ class RidgeMap:
             self._stuck[value] = stuck[0]
         return stage.counted(self.work)
 
-    def add_curve(self, value: float) -> None:
-        """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""
+    def add_curve(self, value: float) -> float:
+        """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet.
+
+        Returns its largest amplitude, infinite where the curve is not known to its end.
+        """
         self._report.stage(f"frequency curve at {self._named(value)}")
         stage = self._stage_at(value)
         if (free := stage.free_peak()).bracketed:
@@ -95,7 +102,7 @@ class RidgeMap:
             branch = stage.whole_curve()
         except ConvergenceError as error:
             self.warnings.append(f"There is no frequency curve at {self._named(value)}: {error}")
-            return
+            return math.inf
         if not branch.complete:
             self.warnings.append(
                 f"The frequency curve at {self._named(value)} is not complete, so that a peak beyond its end may be "
@@ -104,6 +111,7 @@ class RidgeMap:
         points = [each.point for each in branch.points]
         self.points_of_curves += len(points)
         self.add_peaks(value, points)
+        return float(stage.amplitude(points).max()) if branch.complete else math.inf
 
     def add_peaks(self, value: float, points: Sequence[BalancePoint]) -> None:
         """Follow the peaks of a curve, given by its points, that are on no ridge yet."""
@@ -211,6 +219,32 @@ class RidgeMap:
             if places[longer + 1] - places[longer] > 2.0 * self._pace.smallest_step:
                 yield error, ridge, math.exp(0.5 * (places[longer] + places[longer + 1])), longer
 
+    def check_ends(self) -> None:
+        """Compute a whole curve beyond each ridge that ends inside the range as the highest one. If it has larger
+        amplitudes than all ridges, as where a peak left the frequency range, the highest peak is unknown from there."""
+        for ridge in tuple(self.ridges):
+            ends = ridge.points[0], ridge.points[-1]
+            for reason, point, bound in zip(ridge.ends, ends, self._bounds, strict=True):
+                if not reason or self._fraction_of_highest(point) < 1.0 - SAME_AMPLITUDE:
+                    continue
+                step = math.copysign(2.0 * self._pace.smallest_step, bound - point.parameter)
+                beyond = point.parameter * math.exp(step)
+                inside = self._bounds[0] < beyond < self._bounds[1]
+                if not inside or self._is_highest_known(beyond):
+                    continue
+                low, high = sorted((point.parameter, bound))
+                self._unknown.append((low, high))
+
+    def _is_highest_known(self, value: float) -> bool:
+        """Whether a whole curve at a value has no larger amplitude than the ridges there."""
+        if self.work.is_used_up:
+            return False
+        try:
+            largest = self.add_curve(value)
+        except StickslipError:  # a law or a static state that does not exist there
+            return False
+        return largest <= (1.0 + ABOVE_RIDGES) * self._highest_at(value)
+
     def _needless(self, point: RidgePoint) -> str:
         """Why a ridge need not be followed beyond a point, or "" """
         if self._fraction_of_highest(point) >= LEAST_FRACTION:
@@ -219,13 +253,17 @@ class RidgeMap:
 
     def _fraction_of_highest(self, point: RidgePoint) -> float:
         """Amplitude of a point over that of the highest ridge at its value."""
-        at, highest = math.log(point.parameter), math.log(point.peak.amplitude)
+        return point.peak.amplitude / max(point.peak.amplitude, self._highest_at(point.parameter))
+
+    def _highest_at(self, value: float) -> float:
+        """Amplitude of the highest ridge at a value, 0 where there is none."""
+        at, highest = math.log(value), 0.0
         for ridge in self.ridges:
             places = np.log([each.parameter for each in ridge.points])
             if places[0] <= at <= places[-1]:
                 heights = np.log([each.peak.amplitude for each in ridge.points])
-                highest = max(highest, float(log_interpolated(places, heights, np.array([at]))[0]))
-        return point.peak.amplitude / math.exp(highest)
+                highest = max(highest, math.exp(float(log_interpolated(places, heights, np.array([at]))[0])))
+        return highest
 
     def result(self, name: str, unit: str, output_name: str) -> PeakRidge:
         """The ridges as a result. Raises ConvergenceError without any."""
@@ -260,6 +298,7 @@ class RidgeMap:
             output_name=output_name,
             start=np.asarray(start),
             stop=np.asarray(stop),
+            unknown=np.array(self._unknown).reshape(-1, 2),
             ends=tuple(each.ends for each in self.ridges),
             converged=False,
             message="",

@@ -105,6 +105,7 @@ def performance_curve(
     _follow_response(ridges, found, force, response, options.harmonics)
     ridges.add_stuck(bounds[1])
     ridges.refine()
+    ridges.check_ends()
     name = next(iter(model.outputs))
     curve = ridges.result(KEY, "N", name).over(excitation, NAME, "")
     settings = {**curve.settings, "excitation_force_n": excitation, "centrifugal_force_n": force}
