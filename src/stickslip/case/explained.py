@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -27,7 +27,7 @@ def explained(
         return [details if sentence is None else _stated(details, sentence)]
     if details["type"] != "extra_forbidden":
         return [details]
-    sentence = _foreign_message(path, own, kinds)
+    sentence = _foreign_message(path, data, own, kinds)
     if sentence is None:
         return [details]
     return _wrong_values(path, data, own, kinds) or [_stated(details, sentence)]
@@ -47,7 +47,9 @@ def _required(own: type[BaseModel], path: tuple[str, ...]) -> list[Required]:
     return [entry for field in fields for entry in field.metadata if isinstance(entry, Required)]
 
 
-def _foreign_message(path: tuple[str, ...], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]) -> str | None:
+def _foreign_message(
+    path: tuple[str, ...], data: Mapping[str, Any], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]
+) -> str | None:
     """The message on an entry that only studies of other kinds have; None if none has it."""
     if len(path) == 1:
         owners = [name for name, kind in kinds.items() if path[0] in kind.model_fields]
@@ -58,8 +60,16 @@ def _foreign_message(path: tuple[str, ...], own: type[BaseModel], kinds: Mapping
             f'does not belong to a structure of kind "{kind}", only to {" and ".join(owners)}. Remove the section, '
             "or set structure.kind."
         )
-    sections = [each.foreign for each in _classes(own, path[0]) if issubclass(each, Section)]
-    return next((foreign[path[-1]] for foreign in sections if path[-1] in foreign), None)
+    sections = [each for each in _classes(own, path[0]) if issubclass(each, Section)]
+    # The kind that the section has comes first: several may not have the key, each with its own sentence.
+    sections.sort(key=lambda each: not _has_kind(each, data.get(path[0])))
+    return next((each.foreign[path[-1]] for each in sections if path[-1] in each.foreign), None)
+
+
+def _has_kind(section: type[BaseModel], data: Any) -> bool:
+    """Whether the content of a section names the kind of a class."""
+    field = section.model_fields.get("kind")
+    return field is not None and isinstance(data, Mapping) and data.get("kind") in get_args(field.annotation)
 
 
 def _wrong_values(
