@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from pydantic.fields import FieldInfo
 
+from castings import ROUGH_CASTING
 from own_cases import EXAMPLE, mesh_case, write_matrices
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
@@ -194,7 +195,9 @@ def test_the_limits_themselves_end_in_finite_numbers_or_a_sentence(kind: str, ba
 @pytest.mark.slow
 def test_the_check_of_a_study_ends_at_its_limits() -> None:
     """The soft end of Young's modulus beside stiff contact: the eigenvalues end after a bounded number of restarts."""
-    case = Case.from_mapping({"mesh": {"chordwise": 2, "airfoil_rows": 4}, "material": {"young_modulus": "1 kPa"}})
+    casting = {key.partition(".")[2]: value for key, value in ROUGH_CASTING.items() if key.startswith("roughness.")}
+    coarse = {"mesh": {"chordwise": 2, "airfoil_rows": 4}, "roughness": casting}
+    case = Case.from_mapping({**coarse, "material": {"young_modulus": "1 kPa"}})
     with rejects(InputError, "material.young_modulus"):
         check(case)
 
@@ -235,7 +238,10 @@ ODD = {
     "force": ({"excitation": {"amplitude": "3e9 N"}}, "excitation.amplitude is 3e+09 N"),
     "preload": ({"preload": {"centrifugal_force": "5e8 N"}}, "preload.centrifugal_force is 5e+08 N"),
     "G": ({"roughness": {"fractal_roughness": "0.1 mm"}}, "roughness.fractal_roughness is 0.0001 m"),
-    "longest wave": ({"roughness": {"shortest_length": "20 mm"}}, "roughness.shortest_length is 0.02 m"),
+    "longest wave": (
+        {"roughness": {"shortest_length": "20 mm", "sample_length": "28 mm"}},
+        "roughness.shortest_length is 0.02 m",
+    ),
     "stiffness": (
         {"contact_stiffness": {"normal_stiffness": "1e15 N/m", "tangential_stiffness": "1e8 N/m"}},
         "contact_stiffness.normal_stiffness is 1e+15 N/m",

@@ -43,7 +43,7 @@ PACE = Pace(first_step=0.2, smallest_step=0.02, largest_step=0.8, wanted_error=0
 TOLERANCE = 1e-6
 # chosen: work of the curve over that of the frequency curve of the study; with the preparation of the values it takes
 # less than the time of three of them.
-MOST_CURVES = 3.2
+MOST_CURVES = 1.6
 
 
 def has_performance_curve(case: Case) -> bool:
