@@ -65,6 +65,7 @@ def test_bricks_cut_into_tetrahedra_fill_the_same_space(tmp_path: Path, monkeypa
     assert setup.layout.face_pairs.n_pairs == 2 * 5 * 9
 
 
+@pytest.mark.long
 def test_verdicts_on_stability_agree_with_time_integration(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two points of benchmarks/stability_check.py, one on each side of a fold, in each of two problems."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))

@@ -211,12 +211,12 @@ def test_guide_to_bands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys:
         assert option in options
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_guide_to_designs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The script of docs/design.md on a coarse mesh; the options of its command."""
     guide = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    quick_file(tmp_path)
+    quick_file(tmp_path, frequency_start="360 Hz", frequency_stop="520 Hz")
     script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
     exec(compile(script, "design.md", "exec"), {"__name__": "__main__"})
     assert re.search(r"^\d+ N: peak [\d.]+ um$", capsys.readouterr().out, flags=re.MULTILINE)
@@ -252,7 +252,7 @@ def test_make_targets_of_the_readme_exist() -> None:
         assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE), target
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_guide_to_own_structures(tmp_path: Path) -> None:
     """The study file of docs/studies.md is the example, and its commands exist; the example runs."""
     guide = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")

@@ -59,7 +59,7 @@ def test_what_a_page_loads_is_seen() -> None:
     assert loaded_from_servers(page) == ["//b.org/x.js", "http://d.org"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.filterwarnings("default")  # those of the builder's own packages
 def test_the_site_builds_and_asks_no_server(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture

@@ -181,7 +181,7 @@ def test_the_search_finds_the_peak_of_a_linear_resonance() -> None:
     assert not search(complete).missed
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_table_resumes_from_its_folder(tmp_path: Path) -> None:
     command = [sys.executable, str(BENCHMARKS / "torture.py"), str(tmp_path), "--classes", "sdof", "--seeds", "4:6"]
     first = subprocess.run(command, capture_output=True, text=True, check=True)
@@ -216,7 +216,7 @@ def test_wrong_options_are_rejected_before_any_work(
     assert not (tmp_path / "rows").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_another_process_follows_one_that_dies() -> None:
     script = """
 import torture

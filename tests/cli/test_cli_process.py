@@ -55,7 +55,7 @@ def require_end(numbers: list[int]) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @posix
 def test_a_stopped_sweep_reports_it_and_continues(tmp_path: Path) -> None:
     """As a run that is stopped, which the next test does with each signal."""

@@ -164,7 +164,7 @@ def test_what_does_not_fit_is_rejected_in_the_file(changes: dict[str, object], k
         casting_case().replace(changes)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_report_shows_the_rest_and_the_other_tractions(tmp_path: Path) -> None:
     case = casting_case().replace(
         SOLVED

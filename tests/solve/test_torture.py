@@ -81,7 +81,7 @@ def test_a_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: 
     assert_outcome(kind, seed, outcome)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "seed", "outcome"), [(*problem, outcome) for problem, outcome in SLOW.items()])
 def test_a_longer_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: Outcome) -> None:
     assert_outcome(kind, seed, outcome)

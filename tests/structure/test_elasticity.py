@@ -91,7 +91,7 @@ def test_frequencies_converge_with_the_square_of_the_element_size(make_block, el
     assert (slope < 2.2).all()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("element", "column"),
     [

@@ -25,6 +25,7 @@ from synthetic import synthetic_response, synthetic_study
 CASE = Case.from_mapping({"output": {"figure_formats": ["svg"]}})
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_second_process_draws_what_the_first_would(tmp_path: Path) -> None:
     here = Drawing(tmp_path / "here", CASE)
@@ -69,7 +70,7 @@ def test_given_stiffness_has_no_rough_face(tmp_path: Path) -> None:
     assert rough_patch(case, (5, 9)) is None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_the_drawing_rejects_is_raised_here(tmp_path: Path) -> None:
     (tmp_path / "amplitude_frequency.svg").mkdir()
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:

@@ -159,6 +159,7 @@ def test_check_shows_the_warnings_of_the_roughness() -> None:
     assert "Warnings" in sections
 
 
+@pytest.mark.long
 def test_an_unfinished_curve_is_kept_and_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The branch ends after six points: exit code 3, the sentence why, and every file of what was found."""
     monkeypatch.setattr(analyses, "ContinuationSettings", lambda **steps: ContinuationSettings(max_points=6, **steps))
@@ -251,6 +252,7 @@ def test_the_estimate_of_the_room_covers_what_a_run_writes(
     assert max(sizes) < largest < 3 * max(sizes)
 
 
+@pytest.mark.long
 def test_a_study_asks_for_the_band_of_residual_tractions(tmp_path: Path) -> None:
     case = quick_case().replace({"analysis.traction_band": True, "output.figure_formats": ["png"]})
     assert Case.from_text(case.to_text()) == case
@@ -268,6 +270,7 @@ def test_a_study_asks_for_the_band_of_residual_tractions(tmp_path: Path) -> None
     assert f"and {band.n_curves} with extreme tractions" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_run_searches_for_other_solutions(tmp_path: Path) -> None:
     case = quick_case().replace({"analysis.search_starts": 1, "output.figure_formats": ["png"]})
     (tmp_path / "study.toml").write_text(case.to_text(), encoding="utf-8")

@@ -75,6 +75,7 @@ def test_sobol_indices_of_a_product_are_those_of_the_closed_form(linear: tuple[B
     assert linear[0].influences["peak_frequency"].total[1] > 0.99  # f sqrt(1 - 2 zeta^2): of the damping alone
 
 
+@pytest.mark.long
 def test_residual_tractions_are_varied_with_central_inputs(study: Path, tmp_path: Path) -> None:
     """A joint that never slips, with tractions far below its limit: each of them has the same linear peak."""
     case = ss.load_case(study).replace({"analysis.traction_band": True, FORCE: "1.5 mN", DAMPING: "3 %"})

@@ -29,6 +29,7 @@ from sweep_cases import quick_file
 LOADS = "450:700:6"
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_worker_that_is_killed_loses_no_case(tmp_path: Path) -> None:
     require_distributed()

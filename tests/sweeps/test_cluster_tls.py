@@ -44,7 +44,7 @@ def configuration(file: Path, key: Path) -> str:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_certificates_of_the_configuration_of_dask_are_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     require_distributed()
     settings = tmp_path / "dask" / "distributed.yaml"

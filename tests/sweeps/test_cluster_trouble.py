@@ -94,7 +94,7 @@ def group() -> StructureGroup:
     return StructureGroup(None, [(SimpleNamespace(name="only", case=None), task)])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_one_worker_with_other_code_among_others_is_named_before_anything_is_solved(
     tmp_path: Path, other_code: dict[str, str], head: tuple[object, str, Path], folder: Path
 ) -> None:
@@ -152,7 +152,7 @@ def test_a_scheduler_without_stickslip_is_reported(tmp_path: Path) -> None:
         pass
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_path: Path) -> None:
     study, out = quick_file(tmp_path), tmp_path / "out"
     with (

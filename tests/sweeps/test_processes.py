@@ -172,7 +172,7 @@ def require_end(pids: list[int]) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups on this system")
 def test_an_interrupted_and_a_killed_sweep_continue_without_solving_again(tmp_path: Path) -> None:
     study, out = quick_file(tmp_path), tmp_path / "out"

@@ -134,7 +134,7 @@ def test_table_files_contain_the_table(swept: tuple) -> None:
     assert "Damper performance" in (folder / "sweep.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_processes_and_any_executor_give_the_same_table(swept: tuple, tmp_path: Path) -> None:
     folder, result, _, _ = swept
     local = ss.sweep(quick_case(), VARY, out=tmp_path / "processes", workers=2)

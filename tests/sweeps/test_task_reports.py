@@ -61,7 +61,7 @@ def test_the_report_of_another_process_arrives_before_its_answer_and_ends_with_i
         pool.shutdown()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_sweep_shows_the_points_of_a_long_curve(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     details: list[str] = []

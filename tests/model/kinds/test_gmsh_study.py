@@ -120,7 +120,7 @@ def run(path: Path, out: Path) -> str:
     return result.output
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_from_file_to_report(tmp_path: Path) -> None:
     """The example below its resonance, otherwise as it stands."""
     out = tmp_path / "out"
@@ -137,7 +137,7 @@ def test_from_file_to_report(tmp_path: Path) -> None:
         assert words in page, words
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_with_a_solved_preload(tmp_path: Path) -> None:
     """500 N on the damper's bottom instead of a given normal load of each face."""
     load = '[static_loads.wedge]\nset = "damper_bottom"\nspread = "area"\ndirection = [0, 0, 1]\nforce = "500 N"\n'

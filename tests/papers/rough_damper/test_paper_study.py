@@ -23,7 +23,7 @@ from stickslip.papers.rough_damper.plan import Scope, computations
 from stickslip.papers.rough_damper.study import PaperOutcome, paper_study
 from stickslip.papers.rough_damper.verdicts import Verdict
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 
 @pytest.fixture(scope="module")

@@ -264,7 +264,7 @@ def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
     assert actual.amplitude == pytest.approx(102.71e-6, rel=1e-3)  # with 128 and 512 samples, which meet no such corner
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_curve_of_two_blades_with_loops_beside_it_is_complete() -> None:
     """Residual tractions make a loop at 455.9 Hz, beside pairs that stick; long steps run round it or pass it by."""
     case = casting_case().replace(
