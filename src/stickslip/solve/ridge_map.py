@@ -76,6 +76,7 @@ class RidgeMap:
         self._stuck: dict[float, Peak] = {}
         self._free: dict[float, Peak] = {}
         self._unknown: list[tuple[float, float]] = []
+        self.verified: set[float] = set()  # values at which a whole curve has its highest peak on a ridge
         self.ridges: list[_Ridge] = []
         self.warnings: list[str] = []
         self.points_of_curves = 0
@@ -89,11 +90,8 @@ class RidgeMap:
             self._stuck[value] = stuck[0]
         return stage.counted(self.work)
 
-    def add_curve(self, value: float) -> float:
-        """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet.
-
-        Returns its largest amplitude, infinite where the curve is not known to its end.
-        """
+    def add_curve(self, value: float) -> None:
+        """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""
         self._report.stage(f"frequency curve at {self._named(value)}")
         stage = self._stage_at(value)
         if (free := stage.free_peak()).bracketed:
@@ -102,7 +100,7 @@ class RidgeMap:
             branch = stage.whole_curve()
         except ConvergenceError as error:
             self.warnings.append(f"There is no frequency curve at {self._named(value)}: {error}")
-            return math.inf
+            return
         if not branch.complete:
             self.warnings.append(
                 f"The frequency curve at {self._named(value)} is not complete, so that a peak beyond its end may be "
@@ -111,7 +109,8 @@ class RidgeMap:
         points = [each.point for each in branch.points]
         self.points_of_curves += len(points)
         self.add_peaks(value, points)
-        return float(stage.amplitude(points).max()) if branch.complete else math.inf
+        if branch.complete and stage.amplitude(points).max() <= (1.0 + ABOVE_RIDGES) * self._highest_at(value):
+            self.verified.add(value)
 
     def add_peaks(self, value: float, points: Sequence[BalancePoint]) -> None:
         """Follow the peaks of a curve, given by its points, that are on no ridge yet."""
@@ -225,14 +224,16 @@ class RidgeMap:
         for ridge in tuple(self.ridges):
             ends = ridge.points[0], ridge.points[-1]
             for reason, point, bound in zip(ridge.ends, ends, self._bounds, strict=True):
-                if not reason or self._fraction_of_highest(point) < 1.0 - SAME_AMPLITUDE:
+                # Where the work ended, the ridge itself may go on, and nothing hides it.
+                if reason in ("", TOO_MUCH_WORK) or self._fraction_of_highest(point) < 1.0 - SAME_AMPLITUDE:
                     continue
                 step = math.copysign(2.0 * self._pace.smallest_step, bound - point.parameter)
                 beyond = point.parameter * math.exp(step)
-                inside = self._bounds[0] < beyond < self._bounds[1]
-                if not inside or self._is_highest_known(beyond):
+                if not self._bounds[0] < beyond < self._bounds[1] or self._is_highest_known(beyond):
                     continue
-                low, high = sorted((point.parameter, bound))
+                known = [each for each in self.verified if (each - point.parameter) * step > 0.0]
+                end = min(known, key=lambda each: abs(each - point.parameter), default=bound)
+                low, high = sorted((point.parameter, end))
                 self._unknown.append((low, high))
 
     def _is_highest_known(self, value: float) -> bool:
@@ -240,10 +241,10 @@ class RidgeMap:
         if self.work.is_used_up:
             return False
         try:
-            largest = self.add_curve(value)
+            self.add_curve(value)
         except StickslipError:  # a law or a static state that does not exist there
             return False
-        return largest <= (1.0 + ABOVE_RIDGES) * self._highest_at(value)
+        return value in self.verified
 
     def _needless(self, point: RidgePoint) -> str:
         """Why a ridge need not be followed beyond a point, or "" """

@@ -30,8 +30,8 @@ from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
 KEY = "preload.centrifugal_force"
 NAME = "centrifugal force over excitation force"
 # chosen: centrifugal force over excitation force from before to beyond the optimum of dampers (of the order of 1 to
-# 10), almost to the stuck limit; a lighter damper bounces, and takes long.
-LOWEST_RATIO, HIGHEST_RATIO = 0.2, 100.0
+# 10), to where most dampers are stuck; a lighter damper bounces, and takes long.
+LOWEST_RATIO, HIGHEST_RATIO = 0.2, 30.0
 # chosen: peaks move with the force, so the range of frequencies is that of the study and a fifth more on both sides.
 WIDER = 1.2
 # chosen: the lowest possible force is determined to this factor.
@@ -41,9 +41,9 @@ PACE = Pace(first_step=0.2, smallest_step=0.02, largest_step=0.8, wanted_error=0
 # chosen: relative error of the balance. That of the amplitude is below 1e-5, and it takes a third less iterations than
 # the tolerance of [solver].
 TOLERANCE = 1e-6
-# chosen: work of the curve over that of the frequency curve of the study; with the preparation of the values it takes
-# less than the time of three of them.
-MOST_CURVES = 1.6
+# chosen: work of the curve over that of the frequency curve of the study. In time it is two curves for the default
+# study, and up to four where the frequency curve is quick (rough casting).
+MOST_CURVES = 2.6
 
 
 def has_performance_curve(case: Case) -> bool:
@@ -103,9 +103,10 @@ def performance_curve(
     work = Work(MOST_CURVES * float(response.iterations.sum() + response.n_points))
     ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work, modes)
     _follow_response(ridges, found, force, response, options.harmonics)
+    ridges.verified.add(force)  # by the curve of the study
     ridges.add_stuck(bounds[1])
-    ridges.refine()
     ridges.check_ends()
+    ridges.refine()
     name = next(iter(model.outputs))
     curve = ridges.result(KEY, "N", name).over(excitation, NAME, "")
     settings = {**curve.settings, "excitation_force_n": excitation, "centrifugal_force_n": force}
