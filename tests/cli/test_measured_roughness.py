@@ -38,6 +38,7 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     values = Case.from_text(section).roughness
     assert values is not None
     assert 2.3 < values.fractal_dimension < 2.5
+    assert (values.sample_length, values.shortest_length) == (pytest.approx(3e-3, rel=1e-3), pytest.approx(4e-6))
     low, high = re.search(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
     assert float(low) < 1e-9 < float(high)
     assert float(low) < values.fractal_roughness < float(high)

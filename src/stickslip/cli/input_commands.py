@@ -46,8 +46,8 @@ def roughness(
             echo(f"Warning: {sentence}")
         for file in measured_roughness.write(out, measured) if out is not None else ():
             echo(f"Wrote {file}")
-        lines = measured_roughness.study_lines(measured.fit, hardness)
-        echo(measured_roughness.contact_message(measured.fit, hardness))
+        lines = measured_roughness.study_lines(measured, hardness)
+        echo(measured_roughness.contact_message(measured, hardness))
         echo("\nNormal contact stiffness per area of a face of 1 cm2 with the waves of the measurement:")
         print_rows(measured_roughness.stiffness_rows(measured, hardness))
         echo(f"\nFor the study file:\n{lines.rstrip()}")

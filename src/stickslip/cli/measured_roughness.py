@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import exp
 from os import PathLike
 from pathlib import Path
@@ -125,11 +125,8 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
 
     Raises InputError for a fit without D and G.
     """
-    case = _case(measured.fit, hardness)
-    longest, shortest = measured.waves
-    roughness = replace(
-        case_roughness(case, *[case_material(case)] * 2), sample_length=longest, shortest_length=shortest
-    )
+    case = _case(measured, hardness)
+    roughness = case_roughness(case, *[case_material(case)] * 2)
     persson, fractal = persson_law(roughness, FACE_AREA), law_of_roughness(roughness, FACE_AREA, "fractal")
     table = []
     for pressure in PRESSURES:
@@ -150,14 +147,15 @@ def require_hardness(text: str) -> None:
     TwoBladeCase().replace({"roughness.hardness": text})
 
 
-def contact_message(fit: RoughnessFit, hardness: str | None = None) -> str:
+def contact_message(measured: MeasuredRoughness, hardness: str | None = None) -> str:
     """A message on the load above which a face of this roughness has a contact stiffness; ``hardness`` with its unit.
 
     Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic and K = 0 in the
-    consistent and the varying-curvature mode. Material, wave range and, if ``hardness`` is None, hardness are the
-    defaults of a study file. Raises InputError for a hardness that is not usable or a fit without D and G.
+    consistent and the varying-curvature mode. The material and, if ``hardness`` is None, the hardness are the defaults
+    of a study file, the waves those of the measurement. Raises InputError for a hardness that is not usable or a fit
+    without D and G.
     """
-    case = _case(fit, hardness)
+    case = _case(measured, hardness)
     roughness = case_roughness(case, *[case_material(case)] * 2)
     least = fully_plastic_load(roughness)
     origin = "" if hardness else "the default "
@@ -169,22 +167,31 @@ def contact_message(fit: RoughnessFit, hardness: str | None = None) -> str:
     )
 
 
-def _case(fit: RoughnessFit, hardness: str | None) -> TwoBladeCase:
-    """The default case with the D and G of a fit, and the hardness if one is given."""
+def _case(measured: MeasuredRoughness, hardness: str | None) -> TwoBladeCase:
+    """The default case with D, G and waves of a measurement, and the hardness if one is given."""
+    fit, (longest, shortest) = measured.fit, measured.waves
     chosen: dict[str, float | str] = {
         "roughness.fractal_dimension": fit.fractal_dimension,
         "roughness.fractal_roughness": f"{fit.fractal_roughness!r} m",
+        "roughness.sample_length": longest,
+        "roughness.shortest_length": shortest,
     }
     return TwoBladeCase().replace(chosen | ({} if hardness is None else {"roughness.hardness": hardness}))
 
 
-def study_lines(fit: RoughnessFit, hardness: str | None = None) -> str:
-    """The section of a study file, with the hardness if one is given. Raises InputError for a fit without D and G."""
+def study_lines(measured: MeasuredRoughness, hardness: str | None = None) -> str:
+    """The section of a study file, with the hardness if one is given. Raises InputError for a fit without D and G.
+
+    It contains the waves of the measurement: the stiffness depends on them.
+    """
+    fit, (longest, shortest) = measured.fit, measured.waves
     if not fit.usable:
         raise InputError(f"the profile gives no D and G for a study file. {fit.warnings[0]}")
     return (
         f"[roughness]\nfractal_dimension = {fit.fractal_dimension:.4f}\n"
-        f'fractal_roughness = "{fit.fractal_roughness:.4g} m"\n' + (f'hardness = "{hardness}"\n' if hardness else "")
+        f'fractal_roughness = "{fit.fractal_roughness:.4g} m"\n'
+        f'sample_length = "{_shown(longest)}"\nshortest_length = "{_shown(shortest)}"\n'
+        + (f'hardness = "{hardness}"\n' if hardness else "")
     )
 
 
