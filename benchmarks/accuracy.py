@@ -19,10 +19,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from rough_casting import rough_casting
 from torture_problems import make
 
 import stickslip as ss
-from rough_casting import rough_casting
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import build_model

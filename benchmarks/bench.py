@@ -25,9 +25,9 @@ from pathlib import Path
 import numpy as np
 from blade_problem import BladeProblem, FloatArray, load_blade_problem
 from dense_newton import DenseBalance
+from rough_casting import rough_casting
 from threadpoolctl import threadpool_limits
 
-from rough_casting import rough_casting
 from stickslip import __version__
 from stickslip.case.case import Case
 from stickslip.contact.law.contact_pairs import ContactPairs

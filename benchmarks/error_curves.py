@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-
 from rough_casting import rough_casting
+
 from stickslip.model.model import Model, build_joint, build_model, build_structure
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response

@@ -13,8 +13,8 @@ import sys
 import time
 
 import numpy as np
-
 from rough_casting import rough_casting
+
 from stickslip.case.case import Case
 from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.study.analyses import solve

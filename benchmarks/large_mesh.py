@@ -9,8 +9,8 @@ import resource
 import time
 
 from both_factors import with_each_factor
-
 from rough_casting import rough_casting
+
 from stickslip.model.model import build_joint, build_structure
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend, factor_forecast

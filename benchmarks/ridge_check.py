@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from blade_problem import load_blade_problem
+from rough_casting import rough_casting
 from threadpoolctl import threadpool_limits
 
 import stickslip as ss
-from rough_casting import rough_casting
 from stickslip.core.progress import SilentProgress
 from stickslip.study.analyses import solve
 from stickslip.study.performance_curve import with_performance_curve

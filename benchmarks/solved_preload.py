@@ -12,8 +12,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-
 from rough_casting import rough_casting
+
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray

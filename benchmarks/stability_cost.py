@@ -9,9 +9,9 @@ import time
 from typing import Any
 
 from blade_problem import load_blade_problem
+from rough_casting import rough_casting
 
 import stickslip as ss
-from rough_casting import rough_casting
 from stickslip.solve import curve_result
 
 

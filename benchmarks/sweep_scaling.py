@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 
 import numpy as np
+from rough_casting import rough_casting
 
 import stickslip as ss
-from rough_casting import rough_casting
 
 CASES = 40
 

@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 from blade_problem import load_blade_problem
+from rough_casting import rough_casting
 
 import stickslip as ss
-from rough_casting import rough_casting
 
 ALLOWED = 1e-9
 ARRAYS = ("frequency_hz", "displacement", "dissipated_energy", "normal_work", "input_energy", "viscous_energy")
