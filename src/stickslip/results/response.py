@@ -6,7 +6,7 @@ Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, s
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, cast
 
@@ -193,6 +193,10 @@ class ForcedResponse(ResponseData):
             self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name,
             self.stable_points, self.part, solid_words(self.stable), self.slow_sweeps(output), self._beside(output),
         ).figure()  # fmt: skip
+
+    def harmonics_at(self, points: Sequence[int]) -> int:
+        """The most harmonics that some points have, numbers from 0."""
+        return self.harmonics if self.point_harmonics is None else int(self.point_harmonics[list(points)].max())
 
     def slow_sweeps(self, output: ArrayLike) -> tuple[SlowSweep, SlowSweep]:
         """What a slow sweep up and a slow sweep down see of the curve, with the peaks of an output (n,).

@@ -147,9 +147,7 @@ def _high_peaks(model: ReducedModel, response: ForcedResponse) -> list[Peak]:
 
 def _harmonics_of(found: list[Peak], response: ForcedResponse) -> int:
     """The most harmonics that the peaks have, or all points of the response."""
-    if response.point_harmonics is None or not found:
-        return response.harmonics
-    return int(response.point_harmonics[[each.point for each in found]].max())
+    return response.harmonics_at([each.point for each in found]) if found else response.harmonics
 
 
 def _follow_response(

@@ -66,23 +66,16 @@ def _with_stiffness(
 ) -> tuple[Case, ReducedModel]:
     """The case with ``factor`` times the stiffness of its rough faces, with the harmonics that its peak has, and its
     model. Raises InputError, RoughnessError, ConvergenceError."""
+    highest = int(response.amplitude(next(iter(model.outputs.values()))).argmax())
     changed = case.replace(
         {
             KEY: factor * roughness_section(case).stiffness_factor,
             "solver.accuracy": None,
-            "solver.harmonics": _harmonics_of_peak(model, response),
+            "solver.harmonics": response.harmonics_at([highest]),
             "solver.tolerance": max(TOLERANCE, case.solver.tolerance),
         }
     ).model_copy(update={"analysis": ForcedAnalysis()})
     return changed, connect(changed, model.reduced, load_joint(changed, model.joint.layout))
-
-
-def _harmonics_of_peak(model: ReducedModel, response: ForcedResponse) -> int:
-    """Harmonics of the highest peak of the first output."""
-    if response.point_harmonics is None:
-        return response.harmonics
-    amplitude = response.amplitude(next(iter(model.outputs.values())))
-    return int(response.point_harmonics[amplitude.argmax()])
 
 
 def _stored(curves: dict[float, ForcedResponse], width: int) -> StiffnessBand:

@@ -20,11 +20,11 @@ from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import curve_and_measures
-from stickslip.solve.peak_gradients import peak_gradients
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.stress_cycle import stress_cycle
 from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import solve
+from stickslip.study.gradients import gradients_of_peak
 from stickslip.study.record import study_record
 from stickslip.study.stress import stress_at_peak
 from stickslip.study.stress_summary import ALTERNATING as ALTERNATING_QUANTITY
@@ -118,17 +118,7 @@ def _details(
         }
         if parameters and peak.bracketed:
             try:
-                gradients = peak_gradients(
-                    model.superelement,
-                    model.pairs,
-                    model.excitation,
-                    response,
-                    next(iter(model.outputs.values())),
-                    peak=number,
-                    parameters=parameters,
-                    modal_damping_ratio=task.case.damping.modal_damping_ratio,
-                    threads=task.threads,
-                )
+                gradients = gradients_of_peak(task.case, model, response, parameters, task.threads, number)
             except ConvergenceError as error:
                 messages.append(f"The peak at {peak.frequency_hz:.2f} Hz has no gradient: {error}")
             else:
