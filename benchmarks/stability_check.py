@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from blade_problem import load_blade_problem
+from torture_problems import make as torture_problem
 
 import stickslip as ss
 
@@ -157,6 +158,14 @@ def blade(preload: float, force: float, name: str) -> Problem:
     )
 
 
+def rigid_damper(seed: int, name: str) -> Problem:
+    """A random rigid damper that friction alone supports: it rattles, and walks on in each cycle."""
+    made = torture_problem("damper", seed)
+    assert made.damping is not None
+    force = made.force_cos[:, 0], made.force_sin[:, 0]
+    return Problem(name, made.superelement(), made.pairs(), force[0], made.window_hz, 9, 256, force[1], 480, 200)
+
+
 PROBLEMS: dict[str, Callable[[str], Problem]] = {
     "duffing, hardening": lambda name: duffing(0.4, 0.25, (0.5, 3.0), name),
     "duffing, softening": lambda name: duffing(-0.05, 0.12, (0.4, 1.4), name),
@@ -174,6 +183,8 @@ PROBLEMS: dict[str, Callable[[str], Problem]] = {
     "slipping pair": lambda name: slipping(1.0, name),
     "blade": lambda name: blade(1.0, 1.0, name),
     "blade, half the preload": lambda name: blade(0.5, 1.0, name),
+    "rigid damper 3": lambda name: rigid_damper(3, name),
+    "rigid damper 9": lambda name: rigid_damper(9, name),
 }
 
 
@@ -205,9 +216,13 @@ def distances_after(problem: Problem, response: ss.ForcedResponse, point: int) -
     expected = np.array([response.signal(row, point, problem.steps) for row in np.eye(response.n_unknowns)]).T
     quiet, disturbed = (last_period(problem, response, point, size) for size in (0.0, DISTURBANCE))
 
+    # Where a body comes to rest, or walks to, is not determined if friction alone supports it; the swing is.
+    times = np.linspace(0.0, 1.0, problem.steps, endpoint=False)
+    still = np.vander(times, 1 if response.walk is None else 2)
+    swing = np.eye(problem.steps) - still @ np.linalg.pinv(still)
+
     def size(motion: FloatArray) -> float:
-        # Where a body comes to rest is not determined if friction alone supports it; the swing is.
-        return float(np.linalg.norm(motion - motion.mean(axis=0)))
+        return float(np.linalg.norm(swing @ motion))
 
     away = max(size(quiet - expected), size(disturbed - expected))
     return size(disturbed - quiet) / size(expected), away / size(expected)

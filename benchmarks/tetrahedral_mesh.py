@@ -19,7 +19,8 @@ import numpy as np
 from both_factors import with_each_factor
 
 from stickslip.case.case import Case
-from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
+from stickslip.model.kinds.two_blade_geometry import BladePairElements
+from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.model.model import ReducedStructure, connect, load_joint, node_group_rows, set_up
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend
@@ -100,6 +101,7 @@ def study(path: Path) -> Case:
                 "fixed": ["left_root", "right_root"],
             },
             "material": {"young_modulus": "197 GPa", "poisson_ratio": 0.3, "density": "7800 kg/m^3"},
+            "roughness": {"sq": "1 um", "sample_length": "0.8 mm"},
             "interfaces": {name: {"first": first, "second": second} for name, (first, second) in sides.items()},
             "forces": {"engine": {"set": "excitation_left", "direction": [1, 0, 0], "amplitude": "300 N"}},
             "responses": {"tip": {"set": "response", "direction": [1, 0, 0]}},

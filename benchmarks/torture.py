@@ -6,7 +6,11 @@ Without options it solves all problems of all classes (torture_problems.py) with
 the other, in a process of its own with a time limit. ``--peaks`` then looks for missed peaks in the completed curves
 (torture_peaks.py). FOLDER receives one file for each problem, so an interrupted run resumes; use a new folder for each
 version of the code and each choice of ``--harmonics`` and ``--residual-traction``, and delete the file of a problem to
-solve it again. All seconds are processor time.
+solve it again. All seconds are processor time. Work is counted in iterations of Newton's method, searches and time
+integrations included (``response.provenance["solve_work"]``), the same on each machine.
+
+A curve that is not complete is "unsettled" if a time integration at the place where it was lost does not settle on a
+motion with the period of the force, and else "early": there a motion exists that the curve does not have.
 """
 
 from __future__ import annotations
@@ -30,7 +34,9 @@ from torture_problems import KINDS, SEEDS, ResidualTraction, make
 import stickslip as ss
 
 # Beside these a row may be "crashed": its process died without an answer, and stderr has the traceback.
-VERDICTS = ("complete", "early", "no first point", "timed out", "crashed")
+VERDICTS = ("complete", "unsettled", "early", "timed out", "crashed")
+# Words of a time integration that found no motion with the period of the force (solve/evidence.py).
+UNSETTLED = ("has not settled", "repeats only after")
 MESSAGE_WIDTH = 150
 # Wall time over the time limit at which a process that reports no progress is killed; the machine may have other work.
 PATIENCE = 10.0
@@ -74,22 +80,24 @@ def curve_row(task: Task) -> Row:
     """The response of a problem as plain data."""
     problem = make(task.kind, task.seed)
     begin = time.process_time()
-    verdict, message, response = "no first point", "", None
+    verdict, message, response = "timed out", "", None
     try:
         response = problem.solve(
             task.settings.residual_traction, harmonics=task.settings.harmonics, progress=task.clock()
         )
     except ss.ConvergenceError as error:
         message = str(error)
+        verdict = ended(message)
     except TimeLimitError as error:
-        verdict, message = "timed out", str(error)
+        message = str(error)
     seconds = time.process_time() - begin
     if response is None:
         return {"verdict": verdict, "points": 0, "seconds": seconds, "message": message}
     curve = curve_of(problem, response)
     return {
-        "verdict": "complete" if response.converged else "early",
+        "verdict": "complete" if response.converged else ended(" ".join((response.message, *response.warnings))),
         "points": response.n_points,
+        "work": int(response.provenance["solve_work"].split()[0]),
         "seconds": seconds,
         "message": response.message,
         "pairs_open": bool((response.contact_state == ss.ContactState.SEPARATING).any()),
@@ -99,6 +107,11 @@ def curve_row(task: Task) -> Row:
             "warnings": list(curve.warnings),
         },
     }
+
+
+def ended(message: str) -> str:
+    """The verdict on a curve that is not complete."""
+    return "unsettled" if any(words in message for words in UNSETTLED) else "early"
 
 
 def peaks_row(task: Task) -> Row:
@@ -206,7 +219,8 @@ def solve_all(tasks: Sequence[Task], results: Results, worker: Worker) -> None:
         row: Row = {"verdict": answer, "points": 0, "message": ""} if isinstance(answer, str) else answer
         results.write({"kind": task.kind, "seed": task.seed} | row)
         seconds = f"{row['seconds']:.1f} s" if "seconds" in row else "no answer"
-        report(f"{count}/{len(tasks)} {task.kind} {task.seed}: {row['verdict']}, {row['points']} points, {seconds}")
+        size = f"{row['points']} points, work {row.get('work', 'unknown')}, {seconds}"
+        report(f"{count}/{len(tasks)} {task.kind} {task.seed}: {row['verdict']}, {size}")
 
 
 def search_all(tasks: Sequence[Task], results: Results, worker: Worker) -> None:
@@ -230,7 +244,7 @@ def report(words: str) -> None:
 def table(rows: Sequence[Row]) -> list[str]:
     """Lines of the table by class, with a sum."""
     head = ["class", "problems", *VERDICTS, "with missed peaks / tested"]
-    head += ["points median", "points max", "seconds median", "seconds max"]
+    head += ["points median", "points max", "seconds median", "seconds max", "work median", "work max / median, all"]
     kinds = [kind for kind in KINDS if any(row["kind"] == kind for row in rows)]
     lines = [head, ["---"] * len(head)]
     lines += [cells(kind, [row for row in rows if row["kind"] == kind]) for kind in kinds]
@@ -239,7 +253,7 @@ def table(rows: Sequence[Row]) -> list[str]:
 
 
 def cells(name: str, rows: Sequence[Row]) -> list[str]:
-    """One line: counts of all rows, points and seconds of the completed ones."""
+    """One line: counts of all rows, points, seconds and work of the completed ones, and most work of all rows."""
     complete = [row for row in rows if row["verdict"] == "complete"]
     tested = [row["search"] for row in complete if row.get("search")]
     counts = [sum(row["verdict"] == verdict for row in rows) for verdict in VERDICTS]
@@ -247,6 +261,9 @@ def cells(name: str, rows: Sequence[Row]) -> list[str]:
     for key, digits in (("points", 0), ("seconds", 1)):
         values = [row[key] for row in complete]
         figures += [f"{np.median(values):.{digits}f}", f"{max(values):.{digits}f}"] if values else ["", ""]
+    work = [row["work"] for row in rows if "work" in row]
+    usual = float(np.median([row["work"] for row in complete])) if complete else float("nan")
+    figures += [f"{usual:.0f}", f"{max(work, default=0) / usual:.1f}"]
     missed = f"{sum(bool(search['missed']) for search in tested)} / {len(tested)}"
     return [name, str(len(rows)), *map(str, counts), missed, *figures]
 
@@ -267,8 +284,8 @@ def failures(rows: Sequence[Row]) -> list[str]:
     for row in rows:
         name = f"{row['kind']} {row['seed']}"
         if row["verdict"] != "complete":
-            # A curve that ends early first says how its first point converged.
-            words = row["message"].partition(". ")[2] if row["verdict"] == "early" else row["message"]
+            # A curve with points first says how its first point converged.
+            words = row["message"].partition(". ")[2] if "curve" in row else row["message"]
             lines.append(f"{name}: {row['verdict']}, {row['points']} points. {words}"[:MESSAGE_WIDTH])
         elif "search_message" in row:
             lines.append(f"{name}: not tested for missed peaks, {row['search_message']}"[:MESSAGE_WIDTH])

@@ -127,7 +127,7 @@ class Problem:
             frequency_hz=window_hz or self.window_hz,
             modal_damping_ratio=self.modal_damping_ratio,
             harmonics=harmonics,
-            **{"samples": 128, "threads": 1} | options,
+            **{"samples": 128, "threads": 1, "raise_on_failure": None} | options,
         )
 
     @cached_property

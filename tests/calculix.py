@@ -17,7 +17,8 @@ from scipy.spatial import cKDTree
 from helpers import absent_tool
 from solid_cells import PARTS
 from stickslip.formats.calculix_deck import write_calculix_deck
-from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
+from stickslip.model.kinds.two_blade_geometry import BladePairElements
+from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, Structure, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.mesh import Mesh

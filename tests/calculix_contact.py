@@ -19,7 +19,8 @@ from helpers import absent_tool
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces
 from stickslip.formats.calculix_deck import write_calculix_deck
-from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
+from stickslip.model.kinds.two_blade_geometry import BladePairElements
+from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material

@@ -38,3 +38,9 @@ def coulomb(
     normal: ArrayLike, tangential: ArrayLike, friction: ArrayLike, load: ArrayLike, gap: ArrayLike
 ) -> ss.CoulombLaw:
     return ss.CoulombLaw(_array(normal), _array(tangential), _array(friction), _array(load), _array(gap))
+
+
+def exponential(
+    normal: ArrayLike, tangential: ArrayLike, friction: ArrayLike, load: ArrayLike
+) -> ss.ExponentialContact:
+    return ss.ExponentialContact(_array(normal), _array(tangential), _array(friction), _array(load))

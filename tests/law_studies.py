@@ -47,6 +47,7 @@ STUDIES: dict[str, tuple[str, str]] = {
         'tangential_stiffness = "1e4 N/m"\n',
         'slip_force = "4 N"\nexponent = -0.5\nratio = 0.3\n',
     ),
+    "exponential": ('normal_load = "3 N"\nnormal_stiffness = "1e4 N/m"\ntangential_stiffness = "8e3 N/m"\n', ""),
 }
 
 
@@ -87,4 +88,6 @@ def law_of(name: str, n: int = 1) -> Any:
             return ss.JenkinsElement(1e4 * part, 1.5 * part, 5e3 * part)
         case "iwan":
             return ss.IwanJoint(1e4 * part, 4.0 * part, np.full(n, -0.5), np.full(n, 0.3))
+        case "exponential":
+            return ss.ExponentialContact(1e4 * part, 8e3 * part, np.full(n, 0.3), 3.0 * part)
     raise AssertionError(name)

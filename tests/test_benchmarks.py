@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from stickslip.model.kinds.two_blade_mesh import BladePairElements
+from stickslip.model.kinds.two_blade_geometry import BladePairElements
 from stickslip.model.model import set_up
 from stickslip.structure.model_facts import body_volumes
 

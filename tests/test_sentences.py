@@ -166,6 +166,7 @@ def test_no_error_fails_also_while_the_snapshot_is_written(project: Project) -> 
     outcome.stdout.fnmatch_lines(["*DID NOT RAISE*"])
 
 
+@pytest.mark.slow
 def test_a_missing_and_a_left_over_sentence_fail(project: Project) -> None:
     project.change("test_joint.py", "def test_gap():", "def test_other_gap():")
     outcome = project.run()

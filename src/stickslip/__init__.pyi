@@ -11,6 +11,7 @@ from .contact.law.coulomb import CoulombLaw as CoulombLaw
 from .contact.law.coulomb_harmonics import contact_cycle as contact_cycle
 from .contact.law.cubic_spring import CubicSpring as CubicSpring
 from .contact.law.elastic_stop import ElasticStop as ElasticStop
+from .contact.law.exponential import ExponentialContact as ExponentialContact
 from .contact.law.hysteretic_law import HystereticLaw as HystereticLaw
 from .contact.law.iwan import IwanJoint as IwanJoint
 from .contact.law.jenkins import JenkinsElement as JenkinsElement
@@ -40,6 +41,7 @@ from .contact.stiffness.surface import fractal_surface as fractal_surface
 from .contact.stiffness.surface import frequency_count as frequency_count
 from .core.errors import ConvergenceError as ConvergenceError
 from .core.errors import InputError as InputError
+from .core.errors import NotConvergedWarning as NotConvergedWarning
 from .core.errors import ResultsFileError as ResultsFileError
 from .core.errors import RoughnessError as RoughnessError
 from .core.errors import StudyFileError as StudyFileError
@@ -63,6 +65,7 @@ from .results.peak_gradients import PeakGradients as PeakGradients
 from .results.peak_ridge import PeakRidge as PeakRidge
 from .results.quasi_static_mode import QuasiStaticMode as QuasiStaticMode
 from .results.response import ForcedResponse as ForcedResponse
+from .results.stiffness_band import StiffnessBand as StiffnessBand
 from .results.traction_band import TractionBand as TractionBand
 from .results.wear import Wear as Wear
 from .solve.controlled import controlled_response as controlled_response
@@ -88,10 +91,17 @@ from .solve.transient.integrate import integrate_to_steady_state as integrate_to
 from .solve.transient.integrate import start_from_response as start_from_response
 from .solve.wear import wear as wear
 from .structure.craig_bampton import craig_bampton as craig_bampton
+from .structure.cyclic_sector import CyclicSector as CyclicSector
+from .structure.cyclic_sector import nodal_diameters as nodal_diameters
+from .structure.cyclic_symmetry import CyclicSymmetry as CyclicSymmetry
 from .structure.elasticity import Material as Material
 from .structure.elasticity import Structure as Structure
 from .structure.elasticity import assemble as assemble
 from .structure.mesh import Mesh as Mesh
+from .structure.sector_boundaries import cyclic_symmetry as cyclic_symmetry
+from .structure.sector_boundaries import with_next_sector as with_next_sector
+from .structure.sector_reduction import cyclic_sector as cyclic_sector
+from .structure.sector_reduction import sector_frequencies as sector_frequencies
 from .structure.stress import NodalStress as NodalStress
 from .structure.stress import nodal_stress as nodal_stress
 from .structure.stress_cycle import StressCycle as StressCycle

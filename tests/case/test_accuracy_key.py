@@ -30,7 +30,8 @@ def test_written_studies_have_an_accuracy_and_name_the_other_key(kind: str) -> N
 
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_a_study_with_harmonics_names_the_accuracy(kind: str) -> None:
-    text = Case.from_mapping(EXAMPLES[kind] | {"solver": {"harmonics": 5}}).to_text()
+    solver = {"harmonics": 5, "frequency_start": 100.0, "frequency_stop": 200.0}
+    text = Case.from_mapping(EXAMPLES[kind] | {"solver": solver}).to_text()
     assert "\nharmonics = 5" in text
     assert '\n# accuracy = "0.5 %"' in text
 
@@ -57,6 +58,6 @@ def test_few_samples_are_rejected() -> None:
 
 def test_a_force_in_a_harmonic_that_the_samples_do_not_allow_is_rejected() -> None:
     study = EXAMPLES["mesh"] | {"solver": {"accuracy": "0.5 %", "samples": 64}}
-    study |= {"forces": {"engine": EXAMPLES["mesh"]["forces"]["engine"] | {"harmonic": 17}}}
-    with rejects(StudyFileError, "forces.engine.harmonic"):
+    study |= {"forces": {"shaker": EXAMPLES["mesh"]["forces"]["shaker"] | {"harmonic": 17}}}
+    with rejects(StudyFileError, "forces.shaker.harmonic"):
         Case.from_mapping(study)

@@ -79,8 +79,10 @@ def bases(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]
         "interfaces": {
             "lid": {"first": "lid", "second": "ground", "normal": [0, 0, 1], "area": "36 mm^2", "normal_load": "40 N"}
         },
+        "roughness": {"sq": "1 um", "sample_length": "0.8 mm"},
         "forces": {"push": {"set": "lid", "direction": [0, 0, 1], "amplitude": "0.2 N"}},
         "responses": {"lid": {"set": "lid", "direction": [1, 0, 0]}},
+        "solver": {"frequency_start": "400 Hz", "frequency_stop": "550 Hz"},
     }
     mesh = mesh_case().to_dict()
     mesh["structure"]["file"] = str(EXAMPLE / "beam_and_block.inp")
@@ -94,6 +96,8 @@ def with_value(base: dict[str, Any], section: str, key: str, value: Any) -> dict
     if section in Case.named_sections():
         home = home.setdefault(next(iter(home), "one"), {})
     home[key] = value
+    if section == "damper":
+        home["kind"] = "flat" if key == "thickness" else "cylindrical"
     return data
 
 

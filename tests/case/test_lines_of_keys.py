@@ -79,6 +79,11 @@ amplitude = "0.2 N"
 [responses.block]
 point = ["48 mm", "3.67 mm", "14 mm"]
 direction = [1, 0, 0]
+[roughness]
+sq = "1 um"
+[solver]
+frequency_start = "1600 Hz"
+frequency_stop = "2000 Hz"
 """
 
 MESH_WRONG = {
@@ -183,8 +188,9 @@ def test_a_sweep_names_the_option_instead_of_a_line(tmp_path: Path) -> None:
 def test_a_key_without_a_line_of_its_own_has_that_around_it(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     head, _, _ = MESH.partition("[responses.block]")
+    tail = MESH[MESH.index("[roughness]") :]
     table = '[responses]\nblock = {point = ["4.8 m", "0 m", "0 m"], direction = [1, 0, 0]}\n'
-    path.write_text(head + table, encoding="utf-8")
+    path.write_text(head + table + tail, encoding="utf-8")
     assert rejected("check", path).startswith(f"{path}, line 21 (responses.block.point): ")
 
 

@@ -38,10 +38,13 @@ class Study:
     outcome: Outcome = field(default_factory=Outcome)
     error: BaseException | None = None
     calls: list[tuple[Any, ...]] = field(default_factory=list)
+    raise_on_failure: bool | None = False
 
-    def run(self, case: Case, out_dir: Path, progress: Progress, threads: int | None) -> Outcome:
+    def run(
+        self, case: Case, out_dir: Path, progress: Progress, threads: int | None, raise_on_failure: bool | None
+    ) -> Outcome:
         """Two stages, then the outcome."""
-        self.threads = threads
+        self.threads, self.raise_on_failure = threads, raise_on_failure
         self.calls.append(("run", case, out_dir))
         progress.update("Mesh", 1.0, "5005 nodes")
         progress.update("Curve", 0.5, "484 Hz")
@@ -69,6 +72,7 @@ def study(monkeypatch: pytest.MonkeyPatch) -> Study:
     for name in ("run", "report"):
         monkeypatch.setattr(f"stickslip.study.run.{name}", getattr(fake, name))
     monkeypatch.setattr("stickslip.study.check.check", fake.check)
+    monkeypatch.setattr("stickslip.study.proposal.proposed_section", lambda case: ("A sensible study", []))
     return fake
 
 
@@ -111,7 +115,7 @@ def test_new_into_a_place_that_cannot_be_written(study_file: Path) -> None:
 def test_check_prints_the_sections(study: Study, study_file: Path) -> None:
     result = invoke("check", study_file)
     assert result.exit_code == 0
-    assert result.stdout == "\nSizes\n  nodes          5005\n  contact pairs  110\n\nWarnings\n"
+    assert result.stdout == "\nSizes\n  nodes          5005\n  contact pairs  110\n\nWarnings\n\nA sensible study\n"
     assert result.stderr == ""
 
 
@@ -161,6 +165,7 @@ def test_not_converged_keeps_and_names_the_results(study: Study, study_file: Pat
     study.outcome = Outcome(converged=False, message="The step became too small at 482 Hz.")
     result = invoke("run", study_file, "--out", tmp_path / "out", "--quiet")
     assert result.exit_code == 3
+    assert study.raise_on_failure is None  # the command reports the end itself, once
     printed_sentence(result.stderr, "482 Hz", "results.nc", "report.html")
     assert result.stdout == ""
 

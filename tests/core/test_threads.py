@@ -13,7 +13,9 @@ from stickslip.core.threads import (
     FEWEST_ROWS,
     MOST_BY_DEFAULT,
     blas_threads,
+    in_shares,
     in_threads,
+    solver_threads,
     thread_count,
     usable_cores,
 )
@@ -78,3 +80,70 @@ def test_an_error_in_a_thread_is_raised() -> None:
 def test_small_products_get_one_thread() -> None:
     assert blas_threads(FEWEST_ROWS - 1, 4) == 1
     assert blas_threads(FEWEST_ROWS, 4) == 4
+
+
+def shares_of(count: int, least: int) -> list[tuple[int, int, str]]:
+    """The shares of a division, in their order, and the thread that worked on each."""
+    shares: list[tuple[int, int, str]] = []
+    in_shares(lambda start, stop: shares.append((start, stop, threading.current_thread().name)), count, least)
+    return sorted(shares)
+
+
+@pytest.mark.parametrize("count", [20, 21, 29, 500])
+def test_shares_contain_every_item_once(count: int) -> None:
+    with solver_threads(3, 3):
+        shares = shares_of(count, 10)
+    assert [start for start, _, _ in shares] == list(range(0, count, 10))
+    assert [stop for _, stop, _ in shares] == [*range(10, count, 10), count]
+
+
+@pytest.mark.parametrize(("count", "threads"), [(19, 2), (500, 1)])
+def test_what_is_not_worth_a_second_thread_is_one_call(count: int, threads: int) -> None:
+    with solver_threads(3, threads):
+        assert [share[:2] for share in shares_of(count, 10)] == [(0, count)]
+
+
+def test_without_a_solver_there_is_one_call() -> None:
+    assert [share[:2] for share in shares_of(100, 10)] == [(0, 100)]
+
+
+def test_two_threads_work_at_the_same_time() -> None:
+    together = threading.Barrier(2, timeout=30.0)
+    with solver_threads(3, 2):
+        in_shares(lambda start, stop: together.wait() and None, 2, 1)
+
+
+def test_a_share_of_a_share_is_not_divided() -> None:
+    inner: list[tuple[int, int]] = []
+
+    def divide(start: int, stop: int) -> None:
+        in_shares(lambda first, last: inner.append((first, last)), 100, 10)
+
+    with solver_threads(3, 2):
+        in_shares(divide, 4, 1)
+    assert inner == 4 * [(0, 100)]
+
+
+def test_an_error_of_a_share_arrives() -> None:
+    def fail(start: int, stop: int) -> None:
+        if start == 7:
+            raise ZeroDivisionError
+
+    with solver_threads(3, 2), pytest.raises(ZeroDivisionError):
+        in_shares(fail, 20, 1)
+
+
+def test_no_share_begins_after_an_error_has_arrived() -> None:
+    begun: list[int] = []
+
+    def fail(start: int, stop: int) -> None:
+        begun.append(start)
+        raise ZeroDivisionError
+
+    with solver_threads(3, 2):
+        with pytest.raises(ZeroDivisionError):
+            in_shares(fail, 1000, 1)
+        count = len(begun)
+        assert count <= 2
+        in_shares(lambda start, stop: None, 4, 1)
+    assert len(begun) == count

@@ -19,7 +19,7 @@ from stickslip.core.validation import (
     require_choice,
     whole_number,
 )
-from stickslip.model.kinds.two_blade_mesh import BladePairElements
+from stickslip.model.kinds.two_blade_geometry import BladePairElements
 from stickslip.structure.elasticity import Material
 
 

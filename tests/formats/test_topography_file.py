@@ -58,6 +58,7 @@ def bumps(rows: int = 60, columns: int = 90) -> np.ndarray:
     return np.asarray(1e-6 * np.cos(2 * np.pi * x / 9) * np.cos(2 * np.pi * y / 6))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("package")
 def test_form_is_removed_and_reported(tmp_path: Path) -> None:
     y, x = np.meshgrid(np.linspace(-1, 1, 60), np.linspace(-1, 1, 90), indexing="ij")

@@ -11,7 +11,8 @@ import pytest
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case, TwoBladeCase
 from stickslip.core.errors import InputError, StudyFileError
-from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.model.kinds.two_blade_geometry import BladePairElements, BladePairGeometry
+from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.model.model import build_joint, build_structure, load_joint, set_up
 from stickslip.structure.joined import joined_modes
 from stickslip.study.check import check

@@ -26,6 +26,7 @@ from stickslip.reporting.page import page, write_page
 from stickslip.reporting.page_data import page_data
 from stickslip.reporting.section import Section
 from stickslip.reporting.view import View
+from stickslip.results.measures import summary, summary_table
 from stickslip.results.storage import load_results, save_results
 from synthetic import synthetic_response, synthetic_study
 
@@ -94,6 +95,12 @@ def test_failure_and_warnings_are_prominent(case):
         "Sdq is above 1.",
     ):
         assert words in notices
+    assert "highest of the computed part of the curve at" in text
+    (marked, _) = [name for name, _, _ in summary_table(summary(failed, study.outputs[study.response_output]))][:2]
+    assert (
+        marked
+        == "Highest peak on the curve (highest of the computed part of the curve): amplitude, 0-to-peak, mean included"
+    )
 
 
 def test_peak_at_the_end_of_the_range_is_a_warning(case):
@@ -102,7 +109,9 @@ def test_peak_at_the_end_of_the_range_is_a_warning(case):
     parts = ("frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure", "residual")
     parts += ("iterations", "input_energy", "viscous_energy", "load_factor", "kinetic_energy", "part")
     cut = dataclasses.replace(response, **{name: getattr(response, name)[:half] for name in parts})
-    assert "widen the frequency range" in without_plotly(page(cut, study))
+    text = without_plotly(page(cut, study))
+    assert "widen the frequency range" in text
+    assert "highest computed, at an end of the curve at" in text
 
 
 def test_text_of_the_user_cannot_break_the_page(case):

@@ -181,7 +181,9 @@ def test_the_keyboard_alone_moves_the_point_and_the_pair(browser, report, width)
         wanted += [f"{quantity}-map-{face}" for quantity in ("state", "energy") for face in (0, 1)]
         actual = [stop["id"] for stop in stops]
         assert [name for name in actual if name in wanted] == wanted  # all of them, in the order of the page
-        assert {"Inputs", "Measures at the peak", "Natural frequencies"} <= {stop["name"] for stop in stops}
+        assert {"The complete study file", "Measures at the peak", "Natural frequencies"} <= {
+            stop["name"] for stop in stops
+        }
         start, before = int(page.input_value("#point")), loop(page)
         go_to(page, "point")
         page.keyboard.press("ArrowLeft")

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,8 +18,10 @@ from stickslip.results.measures import summary
 from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.storage import save_results
 from stickslip.results.stress import Region, StressExtreme, StressSummary
+from stickslip.results.table import Column, Table, column_of
 from stickslip.results.table_files import write_matlab, write_workbook
-from stickslip.results.tables import Column, Table, study_tables
+from stickslip.results.tables import study_tables
+from stickslip.results.wear import Wear
 from stickslip.study.export import export_tables
 from synthetic import synthetic_response, synthetic_study
 
@@ -153,3 +156,22 @@ def test_wrong_requests_are_rejected_before_anything_is_written(folder: Path, tm
         replace(synthetic_study(), inputs="not = = toml").input_values()
     with rejects(InputError):
         Table("uneven", "", (Column("a", "", (1,)), Column("b", "", ())))
+
+
+class Counted:
+    """A part of a response, as another analysis would add it."""
+
+    def tables(self, name: str) -> Iterator[Table]:
+        yield Table(name, "counts", (column_of("count", "", [1, 2]),))
+
+    def closing_words(self, name: str) -> Iterator[str]:
+        yield f"{name}: two counts"
+
+
+def test_the_tables_of_a_part_come_from_the_part() -> None:
+    response = synthetic_response()
+    assert response.parts == {}
+    with_part = replace(response, wear=cast("Wear", Counted()))
+    assert list(with_part.parts) == ["wear"]
+    extra = [table for table in study_tables(with_part, synthetic_study()) if table.name == "wear"]
+    assert [table.columns[0].values for table in extra] == [(1, 2)]

@@ -49,6 +49,7 @@ YOUNGER = {
     "/part",
     "/stability_message",
     "study/mode_reference",
+    "study/changed_inputs",
     "sketch/motion_frequency",
 }
 YOUNGER |= STABILITY | {

@@ -56,10 +56,11 @@ def test_the_phase_resonance_of_a_linear_structure_is_its_natural_frequency() ->
     """It is that phase at no other frequency, whatever the load is, so a range cannot be walked."""
     superelement, pairs, excitation = stuck_mass()
     natural_hz = np.sqrt(5e6) / (2 * np.pi)
-    response = ss.controlled_response(
-        superelement, pairs, excitation, [1.0, 0.0, 0.0], phase_deg=90.0,
-        frequency_hz=(natural_hz, 1.1 * natural_hz), harmonics=1, samples=64, modal_damping_ratio=RATIO,
-    )  # fmt: skip
+    with pytest.warns(ss.NotConvergedWarning):
+        response = ss.controlled_response(
+            superelement, pairs, excitation, [1.0, 0.0, 0.0], phase_deg=90.0,
+            frequency_hz=(natural_hz, 1.1 * natural_hz), harmonics=1, samples=64, modal_damping_ratio=RATIO,
+        )  # fmt: skip
     assert not response.converged
     printed_sentence(response.message)
     coefficients = response.coefficients([1.0, 0.0, 0.0])[0]
@@ -165,7 +166,7 @@ def test_the_opposite_of_a_prescribed_phase_is_not_mistaken_for_it(phase_deg: fl
     def start() -> ss.ForcedResponse:  # the first point tells; without limit the walk from it takes seconds
         return ss.controlled_response(
             superelement, pairs, excitation, [0.0, 1.0, 0.0, 0.0, 0.0], frequency_hz=window, phase_deg=phase_deg,
-            continuation=ContinuationSettings(max_points=2),
+            continuation=ContinuationSettings(max_points=2), raise_on_failure=None,
         )  # fmt: skip
 
     if phase_deg > 0:

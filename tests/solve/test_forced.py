@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from sentences import printed_sentence, rejects
 from stickslip.contact.law.closed_forms import jenkins_loop
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_period import CYCLES
-from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.errors import ConvergenceError, InputError, NotConvergedWarning
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 from stickslip.solve.harmonic.checks import normal_work_warnings
@@ -29,6 +30,18 @@ def bench(blade: Blade) -> ForcedResponse:
         harmonics=3,
         samples=128,
     )
+
+
+def test_a_curve_without_checks_has_the_same_points(blade: Blade, bench: ForcedResponse) -> None:
+    plain = blade.response(frequency_hz=blade.window_hz, harmonics=3, samples=128, checks=False)
+    assert np.array_equal(plain.displacement, bench.displacement)
+    assert np.array_equal(plain.frequency_hz, bench.frequency_hz)
+    assert bench.multipliers is not None
+    assert plain.multipliers is None
+    assert plain.stable is None
+    assert "checks are omitted" in plain.stability_message
+    assert "search_for_missed_peaks" in bench.settings
+    assert "search_for_missed_peaks" not in plain.settings
 
 
 @pytest.mark.slow
@@ -198,7 +211,8 @@ def two_bodies(contact_stiffness: float, damping: float | None) -> tuple[Superel
 @pytest.mark.slow
 def test_no_viscous_damping_is_solved_and_reported() -> None:
     superelement, pairs = two_bodies(1e6, None)
-    response = forced_response(superelement, pairs, [5.0, 0, 0, 0, 0, 0], frequency_hz=(140.0, 190.0), harmonics=3)
+    with pytest.warns(NotConvergedWarning):  # the resonance is unbounded
+        response = forced_response(superelement, pairs, [5.0, 0, 0, 0, 0, 0], frequency_hz=(140.0, 190.0), harmonics=3)
     printed_sentence("\n".join(response.warnings))
     assert np.isfinite(response.linear.stuck).all()
 
@@ -235,7 +249,8 @@ def test_a_gap_is_open_at_rest_and_closes_at_its_width() -> None:
 
 
 def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> None:
-    partial = forced_response(
+    call = partial(
+        forced_response,
         blade.superelement,
         blade.pairs,
         blade.force_cos,
@@ -244,9 +259,16 @@ def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> Non
         samples=64,
         continuation=ContinuationSettings(max_points=5),
     )
-    assert not partial.converged
-    assert partial.frequency_hz.size == 5
-    printed_sentence(partial.message)
+    with pytest.warns(NotConvergedWarning) as caught:
+        unfinished = call()
+    assert caught[0].filename == __file__  # the line of the caller
+    printed_sentence(str(caught[0].message))
+    assert not unfinished.converged
+    assert unfinished.frequency_hz.size == 5
+    printed_sentence(unfinished.message)
+    with rejects(ConvergenceError):
+        call(raise_on_failure=True)
+    assert not call(raise_on_failure=None).converged  # neither warns nor raises
 
 
 @pytest.mark.slow

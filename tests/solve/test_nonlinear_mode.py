@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -263,9 +265,14 @@ def test_too_few_harmonics_have_a_warning() -> None:
 
 def test_a_mode_that_cannot_be_followed_ends_with_a_message() -> None:
     superelement, pairs = one_mass()
-    short = ss.nonlinear_mode(
-        superelement, pairs, 1, (1e-6, 1e-3), harmonics=1, continuation=ContinuationSettings(max_points=5)
-    )
+    call = partial(
+        ss.nonlinear_mode, superelement, pairs, 1, (1e-6, 1e-3), harmonics=1,
+        continuation=ContinuationSettings(max_points=5),
+    )  # fmt: skip
+    with pytest.warns(ss.NotConvergedWarning):
+        short = call()
+    with rejects(ss.ConvergenceError):
+        call(raise_on_failure=True)
     assert not short.converged
     assert short.n_points == 5
     assert "NOT converged" in repr(short)

@@ -252,3 +252,14 @@ def test_wrong_input_is_rejected_before_the_modes() -> None:
 def test_a_curve_that_ends_at_its_top_has_no_peak() -> None:
     with rejects(ConvergenceError):
         gradients(coulomb(), (150.0, 225.0))
+
+
+@pytest.mark.parametrize(("force", "count"), [(0.5, 0), (0.6003, 1), (5.0, 0)])
+def test_a_pair_that_begins_to_slip_at_the_peak_is_announced(force: float, count: int) -> None:
+    """The stuck peak of F carries F / (2 zeta) k_t / k in the slider: 10 N, its limit, with F = 0.6 N."""
+    superelement, pairs = one_mass(ratio=0.01)
+    base = SolverInput(superelement, pairs, ss.Excitation.force([force]), np.ones(1))
+    sentences = [each for each in gradients(base, (120.0, 150.0)).messages if "corner" in each]
+    assert len(sentences) == count
+    for sentence in sentences:
+        printed_sentence(sentence)

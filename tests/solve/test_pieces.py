@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from sentences import rejects
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.fourier import with_rows
 from stickslip.solve import evidence as evidence_module
@@ -17,6 +18,7 @@ from stickslip.solve import pieces as pieces_module
 from stickslip.solve.evidence import Evidence, Settling, repeats_after
 from stickslip.solve.harmonic import varying_harmonics
 from stickslip.solve.path.continuation import Branch
+from stickslip.solve.path.work import Work
 from stickslip.solve.pieces import Pieces
 
 ROW = np.array([1.0, 0.0, 0.0])
@@ -46,6 +48,7 @@ class Solutions(Settling):
 
     def __init__(self, first: float, last: float, motion: float) -> None:
         self._first, self._last, self._motion = first, last, motion
+        self.work = Work(most=100.0)
 
     def solution(self, near: Any, omega: float, ramp: bool) -> Any:
         hertz = omega / (2.0 * np.pi)
@@ -136,6 +139,51 @@ def test_without_a_solution_beyond_the_curve_ends_with_what_happens_there() -> N
     assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0])
 
 
+def test_at_the_limit_of_the_work_no_solution_beyond_is_looked_for() -> None:
+    """Though there is one."""
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    curve._settling.work.iterate(100)
+    assert not curve.follow(point(100.0)).complete
+    assert curve.message == f"toward 200 {SETTLES.words()} {curve._settling.work.limit_words}"
+    assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0])
+    late = pieces(105.0, 200.0, 2.0, 102.0)
+    late._settling.work.iterate(100)
+    with rejects(ConvergenceError):
+        late.follow(None, "there is none.")
+
+
+@pytest.mark.parametrize(("varies", "begins"), [(True, 150.02), (False, 150.1)])
+def test_with_an_accuracy_a_curve_goes_on_from_the_settled_motion_that_more_harmonics_give(
+    varies: bool, begins: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Others look for a motion with their own number of harmonics."""
+    settled = Evidence(150.02, 300, 1e-6, 0.5, 1, 24, 24, point(150.02, 2.0))
+    monkeypatch.setattr(Solutions, "evidence", lambda *arguments: settled)
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    curve._varies = curve._takes_settled = varies
+    assert curve.follow(point(100.0)).complete
+    assert hertz_of(curve)[3:] == pytest.approx([150.0, begins, 200.0])
+    (warning,) = curve.warnings
+    assert ("by a time integration, with 24 harmonics," in warning) is varies
+    assert settled.words(varies) in warning
+
+
+def test_with_an_accuracy_a_curve_begins_from_the_motion_to_which_it_settles_from_rest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """But not from one that these harmonics do not give."""
+    settled = Evidence(100.0, 300, 1e-6, None, 1, 24, 24, point(100.0, 2.0))
+    monkeypatch.setattr(Solutions, "evidence_from_rest", lambda *arguments: settled)
+    curve = pieces(105.0, 200.0, 2.0, 102.0)
+    with pytest.raises(ConvergenceError, match="there is none"):
+        curve.follow(None, "there is none.")
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    curve._varies = curve._takes_settled = True
+    assert curve.follow(None, "there is none.").complete
+    assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0, 150.0, 150.1, 200.0])
+    assert curve.warnings[0] == f"There is none. {settled.words(varies=True)} The curve begins from this motion."
+
+
 def test_a_curve_without_a_first_point_begins_where_there_is_a_solution() -> None:
     curve = pieces(105.0, 200.0, 2.0, 102.0).follow(None, "there is none.")
     assert not curve.complete  # 2 % are missing
@@ -147,21 +195,21 @@ def test_a_curve_without_a_first_point_begins_where_there_is_a_solution() -> Non
         pieces(300.0, 400.0, 2.0, 0.0).follow(None, "there is none.")
 
 
-def resonance(settings: ss.ContinuationSettings, **options: Any) -> ss.ForcedResponse:
+def resonance(settings: ss.ContinuationSettings, newtons: float = 10.0, **options: Any) -> ss.ForcedResponse:
     """A mass on springs and one contact that slips at the peak."""
-    force = np.array([10.0, 0.0, 0.0])
+    force = np.array([newtons, 0.0, 0.0])
     return ss.forced_response(
         ss.Superelement(np.eye(3), 4e6 * np.eye(3)),
         ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 2000.0),
         force,
         frequency_hz=(340.0, 370.0),
-        **({"harmonics": 1} | options),
         samples=64,
-        modal_damping_ratio=1e-3,
         continuation=settings,
+        **({"harmonics": 1, "modal_damping_ratio": 1e-3} | options),
     )
 
 
+@pytest.mark.slow
 def test_steps_that_are_too_long_lose_the_branch_and_it_goes_on_with_the_right_solution(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -202,6 +250,7 @@ def loses_once(beyond: float, events: list[str]) -> type[Branch[Any]]:
     return LostOnce
 
 
+@pytest.mark.slow
 def test_pieces_with_an_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:
     """The harmonics of the points follow in each of them."""
     whole = resonance(ss.ContinuationSettings(), harmonics=None, accuracy=0.02)
@@ -218,6 +267,52 @@ def test_pieces_with_an_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:
     assert parted.point_harmonics.max() > 1
     assert parted.estimated_error is not None
     assert parted.estimated_error.max() <= 0.02
+
+
+def parted_resonance(monkeypatch: pytest.MonkeyPatch, **options: Any) -> ss.ForcedResponse:
+    """A resonance that is lost once, where it has more than one harmonic."""
+    events: list[str] = []
+    for module in (forced, varying_harmonics):
+        monkeypatch.setattr(module, "LEAST_HARMONICS", 1)
+    monkeypatch.setattr(varying_harmonics, "Branch", loses_once(2.0 * np.pi * 355.6, events))
+    response = resonance(ss.ContinuationSettings(), harmonics=None, accuracy=5e-4, **options)
+    assert events == ["lost", "goes on elsewhere"]
+    assert response.converged
+    assert response.point_harmonics is not None
+    assert response.point_harmonics.max() > 1
+    return response
+
+
+def test_pieces_with_more_harmonics_that_are_the_same_motion_are_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The points before have more harmonics than the one beyond, from which they go on."""
+    parted = parted_resonance(monkeypatch, newtons=40.0)
+    assert parted.part.max() == 0
+
+
+def test_a_lost_curve_with_an_accuracy_goes_on_with_the_harmonics_of_the_settled_motion(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(pieces_module, "SAME_MOTION", 0.0)
+    monkeypatch.setattr(evidence_module, "MORE_HARMONICS", (3,))
+    parted = parted_resonance(monkeypatch, newtons=400.0, modal_damping_ratio=0.02)
+    assert parted.part.max() == 1
+    assert any("by a time integration, with 3 harmonics," in warning for warning in parted.warnings)
+    monkeypatch.undo()
+    whole = resonance(ss.ContinuationSettings(), 400.0, accuracy=5e-4, harmonics=None, modal_damping_ratio=0.02)
+    wanted = np.interp(parted.frequency_hz, whole.frequency_hz, whole.amplitude(ROW))
+    assert parted.amplitude(ROW) == pytest.approx(wanted, rel=0.01)  # linear between points
+
+
+def test_a_curve_ends_at_the_limit_of_its_work_with_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forced, "WORK_PER_POINT", 0.02)
+    with pytest.warns(ss.NotConvergedWarning):
+        response = resonance(ss.ContinuationSettings())
+    assert not response.converged
+    assert "limit of 40 iterations" in response.message
+    assert "A time integration from the last point" in response.message
+    assert int(response.provenance["solve_work"].split()[0]) >= 40
+    monkeypatch.undo()
+    assert resonance(ss.ContinuationSettings()).converged
 
 
 def test_motions_are_told_apart_by_the_starts_of_their_periods() -> None:
@@ -269,6 +364,7 @@ def test_words(repeats: int | None, words: str) -> None:
     assert evidence_module.LONGEST >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("factor", "is_given"), [(1.0, True), (1.5, False)])
 def test_a_settled_motion_is_looked_for_with_more_harmonics(factor: float, is_given: bool) -> None:
     """A solution that Newton's method finds elsewhere does not count."""
@@ -280,4 +376,6 @@ def test_a_settled_motion_is_looked_for_with_more_harmonics(factor: float, is_gi
         SimpleNamespace(unknowns=lambda motion, harmonics: factor * with_rows(found[0].unknowns, 2 * harmonics + 1)),
     )
     own = settling._harmonics
-    assert settling._harmonics_of(cast(Any, None), omega) == ((own, own) if is_given else (8 * own, None))
+    tried, given = settling._with_harmonics(cast(Any, None), omega)
+    assert tried == (own if is_given else 8 * own)
+    assert (given is not None) == is_given

@@ -76,6 +76,7 @@ def assert_outcome(kind: str, seed: int, outcome: Outcome) -> None:
     assert outcome == "complete" or " Hz" in reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed", "outcome"), [(*problem, outcome) for problem, outcome in QUICK.items()])
 def test_a_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: Outcome) -> None:
     assert_outcome(kind, seed, outcome)

@@ -13,6 +13,7 @@ import pytest
 import stickslip as ss
 from helpers import benchmark_module
 from sentences import printed_sentence, rejects
+from stickslip.solve import traction_band
 from stickslip.solve.extreme_tractions import with_residual_traction
 from stickslip.solve.harmonic.curves import FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
@@ -189,7 +190,9 @@ def test_a_band_survives_its_file(tmp_path: Path) -> None:
 
 
 def test_a_band_whose_curves_end_early_says_so() -> None:
-    response = oscillator(traction_band=[1.0], continuation=ss.ContinuationSettings(max_points=6))
+    response = oscillator(
+        traction_band=[1.0], continuation=ss.ContinuationSettings(max_points=6), raise_on_failure=None
+    )
     band = response.traction_band
     assert band is not None
     assert not band.complete.any()
@@ -209,3 +212,16 @@ def test_a_band_requires_pairs_with_friction() -> None:
     pairs = ss.ContactPairs.with_laws(np.array([[0.0], [0.0], [1.0]]), [stop])
     with rejects(ss.InputError, "traction_band"):
         ss.forced_response(structure, pairs, np.array([4.0]), frequency_hz=(100.0, 200.0), traction_band=[1.0])
+
+
+@pytest.mark.slow
+def test_an_optimisation_ends_at_its_limit_of_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The band of tractions to first order remains, with a message; without the limit there is none."""
+    monkeypatch.setattr(traction_band, "LEAST_WORK", 30)
+    monkeypatch.setattr(traction_band, "MOST_ITERATIONS", 0)
+    response = oscillator(traction_band=np.ones(1))
+    assert response.traction_band is not None
+    (sentence,) = [each for each in response.warnings if "limit:" in each]
+    printed_sentence(sentence)
+    monkeypatch.undo()
+    assert not [each for each in oscillator(traction_band=np.ones(1)).warnings if "limit:" in each]

@@ -15,7 +15,8 @@ import pytest
 from damage import damaged
 from sentences import printed_sentence
 from stickslip.core.errors import StickslipWarning
-from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.model.kinds.two_blade_geometry import BladePairElements, BladePairGeometry
+from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.structure import cache
 from stickslip.structure.cache import cache_folder, cached_superelement
 from stickslip.structure.craig_bampton import craig_bampton

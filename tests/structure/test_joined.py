@@ -24,6 +24,7 @@ def test_unknowns_that_cannot_be_tied_one_to_one_are_rejected(leaders, followers
         tie_matrix(np.array(followers), np.array(leaders)[:, None], np.ones((2, 1)), 5)
 
 
+@pytest.mark.slow
 def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_superelement, pairs_of):
     pairs = pairs_of(blade_mesh)
     tied, modes = joined_modes(blade_superelement, pairs, 10)

@@ -36,3 +36,20 @@ def test_a_free_body_beside_stiff_ones(kind: str, soft: float, heavy: float) -> 
     assert free.sum() == 1
     assert free[0] or soft < 1.0  # the order of values below round-off is any
     assert squares[free].max() <= 1e-12 * squares.max()
+
+
+@pytest.mark.parametrize("free_masses", [1, 2, 3, 4, 6])
+@pytest.mark.parametrize("links", [3, 6])
+def test_every_mass_without_a_spring_moves_freely(free_masses: int, links: int) -> None:
+    """Their modes contain round-off in the elastic unknowns, whose energy is no smaller part of itself."""
+    size = links + free_masses
+    stiffness = np.zeros((size, size))
+    for first in range(links):
+        second = (first + 1) % links
+        stiffness[[first, second], [first, second]] += 1e5
+        stiffness[[first, second], [second, first]] -= 1e5
+        stiffness[first, first] += 2e5
+    order = np.random.default_rng(0).permutation(size)
+    stiffness, mass = stiffness[np.ix_(order, order)], np.diag(np.repeat([0.7, 0.3], [links, free_masses])[order])
+    _, modes = scipy.linalg.eigh(stiffness, mass)
+    assert np.flatnonzero(moves_freely(stiffness, modes)).tolist() == list(range(free_masses))

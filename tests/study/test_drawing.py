@@ -54,6 +54,7 @@ def test_every_grid_shows_the_same_face() -> None:
     assert changed.height.std() != coarse.height.std()
 
 
+@pytest.mark.slow
 def test_no_formats_no_files_and_no_process(tmp_path: Path) -> None:
     with artist_of(Drawing(tmp_path / "none", CASE.replace({"output.figure_formats": []}))) as artist:
         assert not isinstance(artist, SecondProcess)
@@ -99,6 +100,7 @@ def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None
     assert traceback[-1].startswith("AttributeError")  # of Python, for a text in place of a response
 
 
+@pytest.mark.slow
 def test_a_process_that_died_is_reported(tmp_path: Path) -> None:
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:
         artist._process.kill()

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from sentences import printed_sentence
+from stickslip.contact.law.law import ContactState
+from stickslip.model.model import build_model
 from stickslip.results.record import Value
-from stickslip.study.record import _beside_reference, _doubtful_order
+from stickslip.study.analyses import solve
+from stickslip.study.check import check
+from stickslip.study.record import _beside_reference, _doubtful_order, study_record
+from sweep_cases import quick_case
 
 MODES = (350.0, 415.0, 528.0)
 
@@ -29,3 +37,23 @@ def test_references_in_the_order_of_the_modes_are_not(reference_hz: tuple[float,
 def test_modes_so_close_that_order_is_all_there_is_are_not_doubted() -> None:
     rows: list[dict[str, Value]] = [{"mode": 1, "full_hz": 500.0}, {"mode": 2, "full_hz": 500.5}]
     assert _doubtful_order(tuple(_beside_reference(rows, (500.4, 500.9)))) == ()
+
+
+@pytest.mark.slow
+def test_few_rows_of_pairs_are_a_warning_if_pairs_separate_at_the_peak() -> None:
+    case = quick_case()
+    model = build_model(case)
+    response = solve(case, model, threads=1)
+    peak = int(response.amplitude(next(iter(model.outputs.values()))).argmax())
+    few = [each for each in study_record(case, model, (), response).warnings if "rows of pairs" in each]
+    opens = response.contact_state[peak] == ContactState.SEPARATING
+    assert opens.any()
+    (sentence,) = few
+    printed_sentence(sentence, "left face 3")
+    closed = replace(response, contact_state=np.zeros_like(response.contact_state))
+    assert not [each for each in study_record(case, model, (), closed).warnings if "rows of pairs" in each]
+
+
+def test_check_lists_the_rows_of_pairs() -> None:
+    (sizes,) = [dict(rows) for name, rows in check(quick_case()) if name == "Sizes"]
+    assert sizes["rows of pairs"].startswith("3 by 5 on a face; few, if pairs separate")

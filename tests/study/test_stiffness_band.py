@@ -16,9 +16,12 @@ from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import SilentProgress
 from stickslip.model.model import ReducedModel, build_model, load_joint, set_up
 from stickslip.reporting.page import page
-from stickslip.reporting.stiffness_words import stiffness_lines, stiffness_words
+from stickslip.reporting.stiffness_words import stiffness_lines, stiffness_range, stiffness_words
+from stickslip.reporting.style import number
 from stickslip.reporting.view import View
+from stickslip.results.measures import _stiffness_rows, summary, summary_table
 from stickslip.results.response import ForcedResponse
+from stickslip.results.stiffness_band import StiffnessBand
 from stickslip.results.storage import load_results, save_results
 from stickslip.results.tables import study_tables
 from stickslip.study import stiffness_band as band_module
@@ -46,6 +49,7 @@ def test_the_factor_multiplies_both_stiffnesses_of_any_law() -> None:
         np.testing.assert_allclose(thrice.tangential_stiffness, 3.0 * once.tangential_stiffness, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_its_curves_are_those_of_studies_with_a_stiffness_given(
     banded: tuple[Case, ReducedModel, ForcedResponse],
 ) -> None:
@@ -73,6 +77,7 @@ def test_its_curves_are_those_of_studies_with_a_stiffness_given(
     assert low.frequency_hz < own < high.frequency_hz
 
 
+@pytest.mark.slow
 def test_page_file_and_tables_have_it(banded: tuple[Case, ReducedModel, ForcedResponse], tmp_path: Path) -> None:
     case, model, response = banded
     record = study_record(case, model, (), response)
@@ -84,6 +89,18 @@ def test_page_file_and_tables_have_it(banded: tuple[Case, ReducedModel, ForcedRe
     lines = list(stiffness_lines(view))
     assert [line["name"] for line in lines] == ["contact stiffness × 1/3", "contact stiffness × 3"]
     words = stiffness_words(view)
+    measures = view.summary
+    assert measures.stiffness_peaks is not None
+    tops = (measures.peak, *response.stiffness_band.curve_peaks(view.output))  # type: ignore[union-attr]
+    assert measures.stiffness_peaks == (min(t.amplitude for t in tops), max(t.amplitude for t in tops))
+    rows = {name: value for name, value, _ in summary_table(measures)}
+    low, high = (f"{1e6 * value:.4g}" for value in measures.stiffness_peaks)
+    beside = "... with 1/3 to 3 of the contact stiffness, not measured (at an end)"
+    assert rows[f"{beside}: amplitude"] == f"{low} to {high}"
+    assert list(rows).index(f"{beside}: amplitude") == 2  # after the amplitude and frequency of the peak
+    low, high = (number(1e6 * value) for value in measures.stiffness_peaks)
+    assert f"; {low} µm to {high} µm or more with 1/3 to 3 of the stiffness, not measured" in page(response, record)
+    assert stiffness_range(View.of(replace(response, stiffness_band=None), record).summary) == ""
     assert "was not measured" in words
     assert words in page(response, record)
     (table,) = [each for each in study_tables(response, record) if each.name == "stiffness_band"]
@@ -118,13 +135,31 @@ def test_a_curve_that_fails_is_a_warning(
 ) -> None:
     case, model, response = banded
 
-    def fails(*_: object) -> ForcedResponse:
+    def fails(*_: object, **__: object) -> ForcedResponse:
         raise ConvergenceError("no first point.")
 
-    monkeypatch.setattr(band_module, "solve", fails)
+    monkeypatch.setattr(band_module, "forced_curve", fails)
     plain = replace(response, stiffness_band=None, warnings=())
     without = with_stiffness_band(case, model, plain, SilentProgress(), 1)
     assert without.stiffness_band is None
     assert len(without.warnings) == 2
     for sentence in without.warnings:
         printed_sentence(sentence)
+
+
+def test_a_range_that_a_curve_leaves_is_marked(banded: tuple[Case, ReducedModel, ForcedResponse]) -> None:
+    """With three times the stiffness the amplitude rises to the end of the sweep: its peak is beyond."""
+    case, model, response = banded
+    band, output = response.stiffness_band, next(iter(model.outputs.values()))
+    assert band is not None
+    assert not all(each.bracketed for each in band.curve_peaks(output))
+    inside = StiffnessBand(
+        ("higher",), np.array([True]), np.zeros(response.n_points, dtype=int), response.frequency_hz,
+        1.1 * response.displacement, np.array([3.0]),
+    )  # fmt: skip
+    for curve, is_marked in ((response, True), (replace(response, stiffness_band=inside), False)):
+        measures = summary(curve, output)
+        assert measures.stiffness_at_end == is_marked
+        assert any(name.endswith("(at an end): amplitude") for name, _, _ in _stiffness_rows(measures)) == is_marked
+        text = page(curve, study_record(case, model, (), curve))
+        assert (" µm or more with 1/3 to 3" in text) == is_marked

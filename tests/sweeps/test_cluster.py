@@ -53,6 +53,7 @@ def test_a_worker_that_is_killed_loses_no_case(tmp_path: Path) -> None:
     assert (out / "sweep.csv").read_bytes() == here.files[0].read_bytes()
 
 
+@pytest.mark.slow
 def test_an_address_where_nobody_answers_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     require_distributed()
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1)

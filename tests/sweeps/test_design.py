@@ -111,6 +111,7 @@ def test_the_sharpness_is_that_of_the_closed_form(case: Case, solver: Callable[.
         assert end == pytest.approx(expected, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_killed_design_loses_no_completed_case(case: Case, tmp_path: Path, solver: Callable[..., FakeSolver]) -> None:
     options: dict[str, Any] = {**FEW, "worst_of": {"forces.push.amplitude": ["1 N", "2 N"]}}
     complete = solver()
@@ -153,6 +154,7 @@ def test_the_optimum_between_two_peaks_is_a_switch(case: Case, solver: Callable[
     printed_sentence(result.remarks[0])
 
 
+@pytest.mark.slow
 def test_without_gradients_differences_find_the_optimum(case: Case, solver: Callable[..., FakeSolver]) -> None:
     solver(has_gradients=False)
     result = ss.design(case, RANGE, **FEW)
@@ -183,6 +185,7 @@ def test_failed_designs_and_peaks_beyond_the_range_do_not_count(case: Case, solv
     printed_sentence(result.remarks[-1])
 
 
+@pytest.mark.slow
 def test_limits_that_no_design_satisfies_are_a_result(
     case: Case, tmp_path: Path, solver: Callable[..., FakeSolver]
 ) -> None:

@@ -117,6 +117,7 @@ def test_progress_counts_the_cases(swept: tuple) -> None:
     assert fractions == sorted(fractions)
 
 
+@pytest.mark.slow
 def test_table_files_contain_the_table(swept: tuple) -> None:
     folder, result, _, _ = swept
     with (folder / "sweep.csv").open(encoding="utf-8", newline="") as stream:

@@ -27,7 +27,7 @@ class AnalysisSection(Section):
     kind: str
     performance_curve: bool = Field(
         default=True,
-        description="two blades: peaks over centrifugal force over excitation force, in the time of two to four curves",
+        description="parametric structure: peaks over its static force over the excitation; two to four curves more",
     )
     stiffness_band: bool = Field(
         default=True,

@@ -17,19 +17,22 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic.fields import FieldInfo
 
 from stickslip.case import toml_text as case_file
 from stickslip.case.analysis import Analysis, ForcedAnalysis, WearAnalysis
-from stickslip.case.case_content import SECTIONS, CaseContent
+from stickslip.case.case_content import CaseContent
 from stickslip.case.consistency import (
     EntryError,
+    damper_law_errors,
     excitation_errors,
     joint_errors,
     place_errors,
     preload_errors,
+    unchosen_range_errors,
+    unchosen_stiffness_errors,
     wear_errors,
 )
+from stickslip.case.damper_rules import damper_errors, with_two_blade_defaults
 from stickslip.case.explained import explained
 from stickslip.case.interface_sections import InterfaceSection, MatrixInterface, MeshInterfaceSection
 from stickslip.case.law_keys import CONSTANT_TABLES, StiffnessLawKeys, StiffnessLawSection, table_file
@@ -47,6 +50,7 @@ from stickslip.case.own_sections import (
     ResponseSection,
     RotationSection,
     StaticLoadSection,
+    TieSection,
     UnbalanceSection,
 )
 from stickslip.case.plain import with_absolute_files
@@ -65,14 +69,16 @@ from stickslip.case.sections import (
     StructureSection,
     StudySection,
 )
-from stickslip.case.template import is_named, section_types
 from stickslip.case.two_blade_sections import (
+    Damper,
+    DamperFrictionSection,
     ExcitationSection,
     GeometrySection,
     MaterialSection,
     MeshSection,
     TwoBladeStructureSection,
     WedgePreloadSection,
+    WedgeSection,
 )
 from stickslip.core.errors import StudyFileError
 
@@ -182,36 +188,9 @@ class Case(CaseContent):
         return hash(json.dumps(self.to_dict()))
 
     @classmethod
-    def allowed_keys(cls) -> dict[str, tuple[str, ...]]:
-        """Section name -> its keys, in the order of the file; of all kinds of structure for ``Case`` itself."""
-        return {
-            name: tuple(dict.fromkeys(key for kind in classes for key in kind.model_fields))
-            for name, classes in cls.section_classes().items()
-        }
-
-    @classmethod
-    def section_classes(cls) -> dict[str, tuple[type[BaseModel], ...]]:
-        """Section name -> its classes, in the order of the file; of all kinds of structure for ``Case`` itself."""
-        kinds = KINDS.values() if cls is Case else (cls,)
-        fields = {name: [kind.model_fields[name] for kind in kinds if name in kind.model_fields] for name in SECTIONS}
-        return {
-            name: tuple(dict.fromkeys(each for field in members for each in section_types(field.annotation)))
-            for name, members in fields.items()
-            if members
-        }
-
-    @classmethod
-    def field_of(cls, section: str, key: str) -> tuple[type[BaseModel], FieldInfo]:
-        """A key of the file: a class of its section that has it, and the field."""
-        home = next(each for each in cls.section_classes()[section] if key in each.model_fields)
-        return home, home.model_fields[key]
-
-    @classmethod
-    def named_sections(cls) -> tuple[str, ...]:
-        """Sections whose entries have names of their own, [section.NAME]."""
-        kinds = KINDS.values() if cls is Case else (cls,)
-        names = {name for kind in kinds for name, field in kind.model_fields.items() if is_named(field)}
-        return tuple(name for name in SECTIONS if name in names)
+    def case_classes(cls) -> tuple[type[CaseContent], ...]:
+        """The class itself; for ``Case`` those of every kind of structure."""
+        return tuple(KINDS.values()) if cls is Case else (cls,)
 
     @property
     def input_files(self) -> dict[str, str]:
@@ -256,30 +235,33 @@ class TwoBladeCase(Case):
 
     structure: TwoBladeStructureSection = TwoBladeStructureSection()
     geometry: GeometrySection = GeometrySection()
+    damper: Damper = WedgeSection()
     mesh: MeshSection = MeshSection()
     material: MaterialSection = MaterialSection()
+    friction: DamperFrictionSection = DamperFrictionSection()
     preload: WedgePreloadSection = WedgePreloadSection()
     excitation: ExcitationSection = ExcitationSection()
     rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
 
     @model_validator(mode="before")
     @classmethod
-    def _rotation_replaces_the_wedge(cls, data: Any) -> Any:
-        preload = data.get("preload", {}) if isinstance(data, Mapping) and "rotation" in data else None
-        if isinstance(preload, Mapping) and "centrifugal_force" not in preload:
-            return {**data, "preload": {"centrifugal_force": None, **preload}}
-        return data
+    def _keys_replace_defaults(cls, data: Any) -> Any:
+        return with_two_blade_defaults(data)
 
     def _misfits(self) -> Iterator[EntryError]:
         loads = () if self.rotation is None else ("rotation",)
-        follows = self.roughness is not None or isinstance(self.contact_stiffness, StiffnessLawKeys)
+        follows = self.contact_stiffness is None or isinstance(self.contact_stiffness, StiffnessLawKeys)
         yield from preload_errors(self.preload, loads, follows)
+        yield from damper_law_errors(self.friction, self.preload, isinstance(self.analysis, WearAnalysis))
+        is_rough, stiffness = self.roughness is not None, self.contact_stiffness
+        yield from damper_errors(self.damper, self.geometry, self.analysis, stiffness, is_rough)
 
 
 class OwnCase(PressedInterfaces, Case):
     """A study of a structure of the user's own, with interfaces, excitations and responses that have names."""
 
     material: OwnMaterialSection | None = None
+    roughness: RoughnessSection | None = Field(default=None, description=RoughnessSection.__doc__)
     preload: OwnPreloadSection = OwnPreloadSection()
     interfaces: Mapping[Name, InterfaceSection]
     forces: dict[Name, ForceSection] = Field(default={}, description=ForceSection.__doc__)
@@ -318,12 +300,15 @@ class OwnCase(PressedInterfaces, Case):
         """Contradictions in the sections with static loads and with excitations."""
         yield from preload_errors(self.preload, loads, bool(self.pressed_interfaces))
         yield from joint_errors(self.interfaces, self.preload, self.pressed_interfaces)
+        if self.roughness is None:
+            yield from unchosen_stiffness_errors(self.rough_interfaces)
         harmonics = {name: force.harmonic for name, force in self.forces.items()}
         yield from excitation_errors(excitations, harmonics, self.solver)
         if not self.responses:
             yield EntryError(("responses",), "has no entry. Give at least one section [responses.NAME].")
         for section in ("forces", "responses", "static_loads", "unbalance"):
             yield from place_errors(section, self.sections[section], has_areas)
+        yield from unchosen_range_errors(self.solver)
 
 
 class MeshCase(OwnCase):
@@ -335,6 +320,7 @@ class MeshCase(OwnCase):
     structure: MeshStructureSection
     bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
     interfaces: dict[Name, MeshInterfaceSection] = Field(default={}, description=MeshInterfaceSection.__doc__)
+    ties: dict[Name, TieSection] = Field(default={}, description=TieSection.__doc__)
     base_motion: BaseMotion | None = None
     rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
-from stickslip.case.plain import omitted_keys, plain_section
-from stickslip.case.template import study_text
+from stickslip.case.plain import changed_texts, omitted_keys, plain_section
+from stickslip.case.template import is_named, section_types, study_text
 
 # Sections in the order of the file, those of every kind.
 SECTIONS = (
-    "study", "structure", "geometry", "mesh", "material", "bodies", "reduction", "roughness",
-    "contact_stiffness", "friction", "interfaces", "preload", "damping", "excitation", "forces", "base_motion",
+    "study", "structure", "geometry", "damper", "mesh", "material", "bodies", "reduction", "roughness",
+    "contact_stiffness", "friction", "interfaces", "ties", "preload", "damping", "excitation", "forces", "base_motion",
     "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver", "output",
 )  # fmt: skip
 
@@ -47,6 +48,16 @@ class CaseContent(BaseModel):
         explicit = name in self.model_fields_set and section.model_fields_set
         return [f"{name}.{key}" for key in missing] if explicit else [f"[{name}]"] * bool(missing)
 
+    def changed_keys(self) -> tuple[str, ...]:
+        """Lines "section.key = value" of the keys of the study file that differ from their defaults, or have none."""
+        lines: list[str] = []
+        for name, section in self.sections.items():
+            entries = {f"{name}.{entry}": each for entry, each in section.items()} if isinstance(section, dict) else {}
+            for title, values in (entries or {name: section}).items():
+                if values is not None and not isinstance(values, dict):
+                    lines += [f"{title}.{text}" for text in changed_texts(values)]
+        return tuple(lines)
+
     def as_mapping(self, only_explicit: bool) -> dict[str, dict[str, Any]]:
         """Section -> key -> value as in a study file, without empty keys, or only with explicit keys of the file."""
         data: dict[str, dict[str, Any]] = {}
@@ -64,3 +75,40 @@ class CaseContent(BaseModel):
         if name == "structure":
             return bool(self.sections[name].kind != "two-blade")
         return bool(self.sections.get(name)) or name in ("roughness", "contact_stiffness", "reference")
+
+    @classmethod
+    def case_classes(cls) -> tuple[type[CaseContent], ...]:
+        """The classes of cases for which the methods on keys below answer."""
+        return (cls,)
+
+    @classmethod
+    def allowed_keys(cls) -> dict[str, tuple[str, ...]]:
+        """Section name -> its keys, in the order of the file; of all kinds of structure for ``Case`` itself."""
+        return {
+            name: tuple(dict.fromkeys(key for each in classes for key in each.model_fields))
+            for name, classes in cls.section_classes().items()
+        }
+
+    @classmethod
+    def section_classes(cls) -> dict[str, tuple[type[BaseModel], ...]]:
+        """Section name -> its classes, in the order of the file; of all kinds of structure for ``Case`` itself."""
+        kinds = cls.case_classes()
+        fields = {name: [kind.model_fields[name] for kind in kinds if name in kind.model_fields] for name in SECTIONS}
+        return {
+            name: tuple(dict.fromkeys(each for field in members for each in section_types(field.annotation)))
+            for name, members in fields.items()
+            if members
+        }
+
+    @classmethod
+    def field_of(cls, section: str, key: str) -> tuple[type[BaseModel], FieldInfo]:
+        """A key of the file: a class of its section that has it, and the field."""
+        home = next(each for each in cls.section_classes()[section] if key in each.model_fields)
+        return home, home.model_fields[key]
+
+    @classmethod
+    def named_sections(cls) -> tuple[str, ...]:
+        """Sections whose entries have names of their own, [section.NAME]."""
+        kinds = cls.case_classes()
+        names = {name for kind in kinds for name, field in kind.model_fields.items() if is_named(field)}
+        return tuple(name for name in SECTIONS if name in names)

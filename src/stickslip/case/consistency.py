@@ -9,10 +9,13 @@ from stickslip.case.analysis import WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
 from stickslip.case.own_sections import OwnPreloadSection, PlaceSection
 from stickslip.case.sections import PreloadSection, SolverSection
-from stickslip.case.two_blade_sections import ROTATING, WedgePreloadSection
+from stickslip.case.two_blade_sections import ROTATING, DamperFrictionSection, WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES
 from stickslip.core.errors import InputError
 from stickslip.core.resolution import SAMPLES_PER_HARMONIC
+
+# The frequency range of [solver].
+RANGE_KEYS = ("frequency_start", "frequency_stop")
 
 
 class EntryError(InputError):
@@ -54,6 +57,23 @@ def wear_errors(
         yield EntryError(
             ("analysis", "running_in_sq"),
             "requires the section [roughness], which runs in. Give it, or remove this key.",
+        )
+
+
+def damper_law_errors(friction: DamperFrictionSection, preload: PreloadSection, wears: bool) -> Iterator[EntryError]:
+    """What a contact law of the damper other than Coulomb's does not allow."""
+    if friction.other_law is None:
+        return
+    if preload.method == "solved":
+        yield EntryError(
+            ("preload", "method"),
+            f'is "solved", and friction.law is "{friction.other_law}", which requires prescribed loads. Use '
+            'method = "prescribed", or remove friction.law.',
+        )
+    if wears:
+        yield EntryError(
+            ("friction", "law"),
+            f'is "{friction.other_law}", but wear requires Coulomb friction. Remove the key.',
         )
 
 
@@ -168,8 +188,7 @@ def _static_load_errors(name: str, interface: InterfaceSection, pressed: Sequenc
     if NORMAL_LOAD in interface.declaration.of_joint:
         yield EntryError(
             ("preload", "method"),
-            f"{law}, which has a constant normal load. A solved load is not constant. Use "
-            'method = "prescribed" and normal_load.',
+            f'{law}, which requires prescribed normal loads. Use method = "prescribed" and normal_load.',
         )
 
 
@@ -199,6 +218,27 @@ def _stiffness_errors(where: tuple[str, str], interface: InterfaceSection) -> It
         yield EntryError((*where, lacking[0]), "is missing: give both stiffnesses of a face, or none.")
     if given and interface.stiffness_law is not None:
         yield EntryError((*where, given[0]), "and stiffness_law are both given. Remove one.")
+
+
+def unchosen_stiffness_errors(interfaces: Sequence[str]) -> Iterator[EntryError]:
+    """Interfaces whose stiffness nobody has chosen: the default roughness is that of the two-blade structure."""
+    for name in interfaces:
+        yield EntryError(
+            ("interfaces", name),
+            "has no contact stiffness. Give the section [roughness] of your faces (sq and sample_length of a drawing, "
+            "or a measurement), or for this interface normal_stiffness and tangential_stiffness, or stiffness_law.",
+        )
+
+
+def unchosen_range_errors(solver: SolverSection) -> Iterator[EntryError]:
+    """A range of frequencies that nobody has chosen: the default one is that of the two-blade structure."""
+    for key in RANGE_KEYS:
+        if key not in solver.model_fields_set:
+            yield EntryError(
+                ("solver", key),
+                'is missing: only the two-blade structure has a default range. "stickslip check" of this file proposes '
+                'one, and "stickslip new FILE --from STUDY" writes it.',
+            )
 
 
 def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bool) -> Iterator[EntryError]:

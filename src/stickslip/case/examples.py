@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 _BODY = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
+# Machined faces, written out: an own joint has no default roughness.
+_ROUGHNESS = {"sq": "1 um", "sample_length": "0.8 mm"}
 _RESOLUTION = {"accuracy": "0.5 %"}
 _SOLVER = {"frequency_start": "100 Hz", "frequency_stop": "1000 Hz", **_RESOLUTION}
 EXAMPLES: dict[str, dict[str, Any]] = {
@@ -14,12 +16,13 @@ EXAMPLES: dict[str, dict[str, Any]] = {
         "study": {"title": "My structure"},
         "structure": {"kind": "mesh", "file": "model.inp", "length_unit": "mm", "fixed": ["root"]},
         "material": _BODY,
-        "bodies": {"damper": {"density": "8200 kg/m^3"}},
+        "roughness": _ROUGHNESS,
+        "bodies": {"lower": {"density": "8200 kg/m^3"}},
         "interfaces": {
-            "left": {"first": "damper_left", "second": "blade_left", "normal_load": "289 N"},
-            "support": {"first": "damper_top", "second": "ground", "normal_load": "100 N", "friction": 0.2},
+            "lap": {"first": "upper_contact", "second": "lower_contact", "normal_load": "290 N"},
+            "support": {"first": "lower_back", "second": "ground", "normal_load": "100 N", "friction": 0.2},
         },
-        "forces": {"engine": {"set": "tip", "direction": [1, 0, 0], "amplitude": "10 N"}},
+        "forces": {"shaker": {"set": "tip", "direction": [1, 0, 0], "amplitude": "10 N"}},
         "responses": {"tip": {"point": ["0 mm", "0 mm", "145 mm"], "direction": [1, 0, 0]}},
         "solver": _SOLVER,
     },
@@ -27,16 +30,17 @@ EXAMPLES: dict[str, dict[str, Any]] = {
         "study": {"title": "My matrices"},
         "structure": {"kind": "matrices", "file": "superelement.npz"},
         "material": _BODY,
+        "roughness": _ROUGHNESS,
         "interfaces": {
-            "left": {
-                "first": "damper_left",
-                "second": "blade_left",
-                "normal": [0.5, 0, 0.866],
+            "lap": {
+                "first": "upper_contact",
+                "second": "lower_contact",
+                "normal": [0, 0, 1],
                 "area": "180 mm^2",
-                "normal_load": "289 N",
+                "normal_load": "290 N",
             }
         },
-        "forces": {"engine": {"node": 1, "direction": [1, 0, 0], "amplitude": "10 N"}},
+        "forces": {"shaker": {"node": 1, "direction": [1, 0, 0], "amplitude": "10 N"}},
         "responses": {"tip": {"node": 2, "direction": [1, 0, 0]}},
         "solver": _SOLVER,
     },

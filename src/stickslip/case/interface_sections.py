@@ -67,11 +67,11 @@ class InterfaceSection(ContactLawKeys, StiffnessLawKeys, _JointKeys):
 # The keys that lead a section are on a class of their own: a file has them before those that all joints share.
 class _Sides(Section):
     first: Annotated[str, Required(_SIDE)] = Field(
-        description="face or node set that defines area and outward normal (the damper's side)",
-        examples=["damper_left"],
+        description="face or node set that defines area and outward normal (the smaller body)",
+        examples=["upper_contact"],
     )
     second: Annotated[str, Required(_SIDE)] = Field(
-        description="face or node set of the other side, or ground", examples=["blade_left"]
+        description="face or node set of the other side, or ground", examples=["lower_contact"]
     )
     search_distance: Distance | None = Field(
         default=None, description="along the normal; faces farther apart form no pairs", examples=["0.2 mm"]
@@ -129,7 +129,7 @@ class SetInterfaceSection(InterfaceSection, _FaceOfMatrices, _Sides):
 
 class _ListedPairs(Section):
     pairs: FileName = Field(
-        description="instead of first and second: lines first node, second node", examples=["left_pairs.csv"]
+        description="instead of first and second: lines first node, second node", examples=["lap_pairs.csv"]
     )
 
 

@@ -5,15 +5,19 @@ from __future__ import annotations
 import warnings
 from os import PathLike
 from pathlib import Path
-from typing import Literal, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from stickslip.case import toml_text as case_file
 from stickslip.case.case import Case, parts_of_key
+from stickslip.case.consistency import RANGE_KEYS
 from stickslip.case.law_constants import TABLE_FILE
 from stickslip.case.scatter_text import central_sentences, split_scatter
 from stickslip.case.template import metadata_of
 from stickslip.core.errors import InputError, StickslipWarning, StudyFileError
 from stickslip.core.units import Count, Quantity
+
+# Frequency range of a file without one, Hz, for a command that proposes one.
+NO_RANGE = dict(zip(RANGE_KEYS, (1.0, 2.0), strict=True))
 
 
 def load_case(path: str | PathLike[str]) -> Case:
@@ -28,10 +32,15 @@ def load_case(path: str | PathLike[str]) -> Case:
     return case
 
 
-def load_case_and_positions(path: str | PathLike[str]) -> tuple[Case, case_file.KeyPositions]:
-    """:func:`load_case` without warnings, and the lines of the keys of the file, for errors after reading."""
+def load_case_and_positions(path: str | PathLike[str], needs_range: bool = True) -> tuple[Case, case_file.KeyPositions]:
+    """:func:`load_case` without warnings, and the lines of the keys of the file, for errors after reading.
+
+    Unless it ``needs_range``, a file without frequency range has :data:`NO_RANGE` for a command that proposes one.
+    """
     text = case_file.read_text(path)
     data, lines = case_file.parse_toml(text, str(path)), case_file.key_lines(text)
+    if not needs_range:
+        data = _with_some_range(data)
     try:
         central, scattered = split_scatter(data, _may_scatter)
     except InputError as error:
@@ -44,6 +53,18 @@ def load_case_and_positions(path: str | PathLike[str]) -> tuple[Case, case_file.
     except StudyFileError as error:
         named = [f'\n  {key} = "{scattered[key]}" has this central value.' for key in error.keys if key in scattered]
         raise error.reworded(f"{error}{''.join(named)}") from error
+
+
+def _with_some_range(data: dict[str, Any]) -> dict[str, Any]:
+    """The content of a file, with :data:`NO_RANGE` if it is about a structure of the user's own without range."""
+    structure, solver = data.get("structure"), data.get("solver", {})
+    is_own = isinstance(structure, dict) and structure.get("kind", "two-blade") != "two-blade"
+    return {**data, "solver": {**NO_RANGE, **solver}} if is_own and isinstance(solver, dict) else data
+
+
+def has_range(case: Case) -> bool:
+    """Whether the file of a case has a frequency range."""
+    return (case.solver.frequency_start, case.solver.frequency_stop) != tuple(NO_RANGE.values())
 
 
 def _may_scatter(path: tuple[str, ...]) -> bool:

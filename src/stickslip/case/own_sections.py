@@ -261,6 +261,20 @@ class StaticLoadSection(NodeGroupSection):
     force: Force = Field(description="total over the set")
 
 
+class TieSection(Section):
+    """Nodes of one set that follow the nearest points of a face, without friction, sliding or opening."""
+
+    dependent: Annotated[str, Required("is missing. Give the name of a node or face set.")] = Field(
+        description="node or face set whose nodes follow (the finer mesh)", examples=["blade_foot"]
+    )
+    independent: Annotated[str, Required("is missing. Give the name of a face set.")] = Field(
+        description="face set that they follow (the coarser mesh)", examples=["disk_rim"]
+    )
+    tolerance: Distance | None = Field(
+        default=None, description="largest distance of a node; default 5 % of the mean edge", examples=["0.05 mm"]
+    )
+
+
 class RotationSection(Section):
     """Constant rotation of the complete model: the centrifugal load of all bodies, for a solved preload."""
 

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from stickslip.case.law_constants import TABLE_FILE, LawConstants
-from stickslip.case.template import quantity_of
+from stickslip.case.template import quantity_of, value_text
 
 _FILE_KEYS = ("file", "stiffness", "mass", "damping", "unknown_map", "node_positions")
 
@@ -27,6 +27,18 @@ def plain_section(section: BaseModel, only_explicit: bool) -> dict[str, Any]:
         plain = list(value) if isinstance(value, tuple) else value
         values[key] = quantity.stored(value) if quantity and isinstance(value, float) else plain
     return values
+
+
+def changed_texts(section: BaseModel) -> list[str]:
+    """The keys of a section in the file whose value is not the default, "key = value" in the units of engineers."""
+    fields = type(section).model_fields
+    given = {key: value for key, value in section if key in section.model_fields_set and value is not None}
+    changed = {key: value for key, value in given.items() if value != fields[key].default}
+    return [
+        f"{key} = {', '.join(value.texts().values())}" if isinstance(value, LawConstants)
+        else f"{key} = {value_text(quantity_of(type(section), key), value)}"
+        for key, value in changed.items()
+    ]  # fmt: skip
 
 
 def omitted_keys(section: BaseModel, everything: bool = False) -> list[str]:

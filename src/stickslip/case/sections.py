@@ -34,7 +34,7 @@ class StructureSection(Section):
 
 
 class ReductionSection(Section):
-    """Craig-Bampton reduction to the contact nodes, N1, N2, A and a few modes."""
+    """Craig-Bampton reduction to the nodes of contacts, forces and responses, and a few modes."""
 
     modes: Annotated[int, Count(at_least=0, at_most=2000)] = Field(
         default=30, description="retained fixed-interface modes"
@@ -133,6 +133,15 @@ class RoughnessSection(Section):
             data = {**data, "law": "fractal"}  # files of earlier versions have its keys without its name
         return without_default(data, ("fractal_roughness",), "sq")
 
+    @field_validator("fractal_dimension", mode="before")
+    @classmethod
+    def _of_a_surface(cls, value: Any) -> Any:
+        if isinstance(value, int | float) and 1.0 < value < 2.0:
+            raise InputError(
+                f"is the dimension of a profile, between 1 and 2. D of the surface is one more: {value + 1.0:g}."
+            )
+        return value
+
     @field_validator("sq")
     @classmethod
     def _one_scale(cls, value: Any, info: ValidationInfo) -> Any:
@@ -187,7 +196,7 @@ class ContactStiffnessSection(Section):
 
 
 class FrictionSection(Section):
-    """Coulomb friction between damper and platforms."""
+    """Coulomb friction of all contact faces."""
 
     coefficient: FrictionCoefficient = Field(default=0.3, description="dry metal joints have 0.1 to 0.8")
 

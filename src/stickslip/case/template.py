@@ -91,7 +91,7 @@ def _section_text(name: str, kinds: Sequence[type[BaseModel]], values: BaseModel
         if value is None:
             entry = f"# {key} = {_example(section, key)}"
         else:
-            entry = f"{key} = {_value_text(quantity_of(section, key), value)}"
+            entry = f"{key} = {value_text(quantity_of(section, key), value)}"
         lines.append(_with_comment(entry, field.description))
     return "\n".join([*lines, *tables]) + "\n"
 
@@ -111,7 +111,7 @@ def _example(section: type[BaseModel], key: str) -> str:
     if field.examples:
         example = field.examples[0]
         return str(example) if LawConstants in get_args(field.annotation) else json.dumps(example)
-    return _value_text(quantity_of(section, key), field.default)
+    return value_text(quantity_of(section, key), field.default)
 
 
 def _with_comment(entry: str, description: str | None) -> str:
@@ -122,7 +122,7 @@ def _with_comment(entry: str, description: str | None) -> str:
     return beside if len(beside) <= _WIDTH else f"# {description}:\n{entry}"
 
 
-def _value_text(quantity: Quantity | None, value: Any) -> str:
+def value_text(quantity: Quantity | None, value: Any) -> str:
     """A value as TOML."""
     if quantity is not None and isinstance(value, float):
         return quantity.text(value)

@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from stickslip.case.law_constants import COULOMB, contact_law_declaration
 from stickslip.case.quantities import (
     Density,
     Direction,
@@ -20,8 +21,9 @@ from stickslip.case.quantities import (
     TensileStrength,
     YoungModulus,
 )
-from stickslip.case.section import Section, instead_of, without_default
-from stickslip.case.sections import PreloadSection, StructureSection
+from stickslip.case.section import Section, instead_of, of_kind, without_default
+from stickslip.case.sections import FrictionSection, PreloadSection, StructureSection
+from stickslip.core.errors import InputError
 from stickslip.core.units import Quantity
 
 PlatformAngle = Annotated[
@@ -29,7 +31,7 @@ PlatformAngle = Annotated[
     Quantity(
         "angle",
         shown="deg",
-        at_least=1e-6,
+        at_least=0.0,
         below=1.5707963267948966,
         unit_required="A plain number would be in radians, which is unusual here.",
     ),
@@ -58,10 +60,63 @@ class GeometrySection(Section):
     platform_gap: Length = Field(default=0.001, description="between the two platforms")
     shank_thickness_at_platform: Length = Field(default=0.0139, description="tapers to the next one")
     shank_thickness_at_base: Length = Field(default=0.0093, description="at the clamped root")
-    damper_flank_height: Length = Field(default=0.0025, description="vertical side below the damper's contact face")
+    damper_flank_height: Length | None = Field(
+        default=0.0025, description="of a wedge: vertical side below the damper's contact face"
+    )
     excitation_height: Length = Field(
         default=0.00367, description="z of N1, N2 on the outer shank faces; near the root a large force is necessary"
     )
+
+
+def _of_other_damper(kind: str, **keys: tuple[str, ...]) -> dict[str, str]:
+    """Key of another damper -> the rest of an error about it."""
+    return {
+        key: f'belongs to kind = "{owner}", but kind is "{kind}". Set the kind, or remove this key.'
+        for owner, each in keys.items()
+        for key in each
+    }
+
+
+_KINDS = "wedge, flat or cylindrical"
+
+
+class WedgeSection(Section):
+    """The damper under the platforms. wedge: its faces fit those of the platforms, dimensions in [geometry]; flat: a
+    plate below flat platforms, geometry.platform_angle = 0; cylindrical: a cylinder that touches each platform along a
+    line, with the contact stiffness of Hertz; faces are not rough then."""
+
+    foreign: ClassVar[Mapping[str, str]] = _of_other_damper(
+        "wedge", flat=("thickness",), cylindrical=("radius", "crowning")
+    )
+
+    kind: Literal["wedge"] = Field(default="wedge", description=_KINDS)
+
+
+class FlatSection(Section):
+    """The damper under the platforms: a plate below both contact faces and the gap; geometry.platform_angle is 0."""
+
+    foreign: ClassVar[Mapping[str, str]] = _of_other_damper("flat", cylindrical=("radius", "crowning"))
+
+    kind: Literal["flat"] = Field(default="flat", description=_KINDS)
+    thickness: Length = Field(default=0.0025, description="along z")
+
+
+class CylindricalSection(Section):
+    """The damper under the platforms: a cylinder that touches each platform along a line."""
+
+    foreign: ClassVar[Mapping[str, str]] = _of_other_damper("cylindrical", flat=("thickness",))
+
+    kind: Literal["cylindrical"] = Field(default="cylindrical", description=_KINDS)
+    radius: Length = Field(default=0.0066, description="with the platform angle it gives where the lines are")
+    crowning: Annotated[float, Quantity("length", shown="um", at_least=0.0, at_most=1e-3, example='"5 um"')] = Field(
+        default=0.0, description="drop of its profile at both ends, a parabola along its length; 0: straight"
+    )
+
+
+Damper = Annotated[
+    WedgeSection | FlatSection | CylindricalSection,
+    of_kind({"wedge": WedgeSection, "flat": FlatSection, "cylindrical": CylindricalSection}, "wedge"),
+]
 
 
 class MeshSection(Section):
@@ -142,6 +197,33 @@ class _WedgeKeys(Section):
     friction_coefficient_at_assembly: Annotated[float, Quantity("pure number", at_least=0.0, at_most=10.0)] = Field(
         default=0.0, description="mu_0: friction that supports part of the force"
     )
+
+
+class DamperFrictionSection(FrictionSection):
+    """Coulomb friction between damper and platforms."""
+
+    law: str | None = Field(
+        default=None,
+        description="contact law, default coulomb; exponential: the stiffness follows the momentary pressure",
+        examples=["exponential"],
+    )
+
+    @field_validator("law")
+    @classmethod
+    def _is_a_law_without_constants(cls, value: str | None) -> str | None:
+        if value not in (None, COULOMB):
+            required = contact_law_declaration(value).required
+            if required:
+                raise InputError(
+                    f"requires constants of its own ({', '.join(required)}), which two blades do not have. Choose "
+                    '"coulomb" or "exponential"; a study of a mesh has such laws on its interfaces.'
+                )
+        return value
+
+    @property
+    def other_law(self) -> str | None:
+        """The name of a law other than Coulomb's."""
+        return None if self.law == COULOMB else self.law
 
 
 class WedgePreloadSection(PreloadSection, _WedgeKeys):

@@ -23,6 +23,7 @@ from stickslip.cli.many_cases import (
     load_study,
     require_one_place,
     solving,
+    study_from,
 )
 from stickslip.cli.options import (
     FINISHED_CASES_NOTE,
@@ -36,6 +37,7 @@ from stickslip.cli.options import (
     print_rows,
 )
 from stickslip.cli.process import tolerate_closed_output
+from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.files import require_folder, whole_file
 from stickslip.core.progress import terminal_progress
@@ -90,8 +92,22 @@ def options(
 def new(
     path: StudyFile,
     kind: Annotated[
-        str, typer.Option("--kind", help="Structure: two-blade, mesh (your own file) or matrices.")
-    ] = "two-blade",
+        str | None,
+        typer.Option(
+            "--kind",
+            help="Structure: two-blade (default), mesh (your own file) or matrices.",
+            show_default=False,
+        ),
+    ] = None,
+    source: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="STUDY",
+            help="Write this study file again, with the frequency range and the excitation that check proposes for it.",
+            show_default=False,
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -100,14 +116,18 @@ def new(
         from stickslip.case.case import Case
         from stickslip.case.examples import EXAMPLES
 
-        if kind not in EXAMPLES:
+        if kind is not None and source is not None:
+            raise InputError("--kind and --from are both given, but the study of --from has a kind. Give one of them.")
+        if kind is not None and kind not in EXAMPLES:
             raise InputError(f"--kind is {kind}, but it must be one of {', '.join(EXAMPLES)}.")
 
         if path.exists() and not force:
             raise InputError(f"{path} exists already. Give another name, or --force to overwrite it.")
         require_folder(path.parent, files=(path.name,))
         with whole_file(path, "study file", InputError) as part:
-            part.write_text(Case.from_mapping(EXAMPLES[kind]).to_text(), encoding="utf-8")
+            template = EXAMPLES[kind or "two-blade"]
+            text = Case.from_mapping(template).to_text() if source is None else study_from(source, path)
+            part.write_text(text, encoding="utf-8")
         echo(f'Wrote {path}. Next: stickslip check "{path}"')
 
 
@@ -115,11 +135,12 @@ def new(
 def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
     with error_messages(debug):
-        case, places = load_study(path)
+        case, places = load_study(path, needs_range=False)
         from stickslip.study.check import check as checked
+        from stickslip.study.proposal import proposed_section
 
         with about_file(places):
-            sections = checked(case)
+            sections = [*checked(case), proposed_section(case)]
         for title, rows in sections:
             echo(f"\n{title}")
             print_rows(rows)
@@ -173,7 +194,7 @@ def run(
         from stickslip.study import run as study
 
         with terminal_progress(quiet) as progress, about_file(places):
-            outcome = study.run(case, out, progress=progress, threads=threads)
+            outcome = study.run(case, out, progress=progress, threads=threads, raise_on_failure=CALLER_REPORTS)
         _close(outcome, quiet)
 
 

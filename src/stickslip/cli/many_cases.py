@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from os.path import relpath
 from typing import TYPE_CHECKING
 
 import typer
@@ -26,19 +28,37 @@ EXIT_NOT_CONVERGED = 3  # what was computed is written
 SHOWN_FAILURES = 10  # chosen: lines on failed cases
 
 
-def load_study(path: Path, quiet: bool = False, central: bool = True) -> tuple[Case, KeyPositions]:
+def load_study(
+    path: Path, quiet: bool = False, central: bool = True, needs_range: bool = True
+) -> tuple[Case, KeyPositions]:
     """The case of a study file and the lines of its keys; reports which values are defaults, and which are the
-    ``central`` ones of distributed inputs. Raises StudyFileError."""
+    ``central`` ones of distributed inputs. Unless it ``needs_range``, the file may lack the frequency range. Raises
+    StudyFileError."""
     from stickslip.case.load import load_case_and_positions
     from stickslip.case.scatter_text import central_sentences
 
-    case, places = load_case_and_positions(path)
+    case, places = load_case_and_positions(path, needs_range)
     defaults = case.defaulted_keys()
     if defaults and not quiet:
         echo(f"Not in the file; stickslip uses the defaults: {', '.join(defaults)}", err=True)
     for sentence in central_sentences(places.scattered) if central else ():
         echo(f"Note: {sentence}", err=True)
     return case, places
+
+
+def study_from(source: Path, target: Path) -> str:
+    """The text of the study file ``source`` at ``target``, with the range and the excitation that are proposed for it.
+
+    Raises InputError.
+    """
+    case, places = load_study(source, quiet=True, needs_range=False)
+    from stickslip.study.proposal import propose
+
+    with about_file(places):
+        text = case.replace(propose(case).keys(case)).to_text()
+    for file in case.input_files.values():  # absolute in the case
+        text = text.replace(json.dumps(file, ensure_ascii=False), json.dumps(relpath(file, target.parent)))
+    return text
 
 
 @contextmanager

@@ -14,10 +14,11 @@ from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.formats.meshes.read import read_raw
 from stickslip.formats.meshes.unit_systems import LENGTH_UNITS, UNIT_SYSTEMS, find_unit_system
+from stickslip.structure.constraints import eliminate
 from stickslip.structure.faces import face_geometry
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import body_volumes, bounding_box
-from stickslip.structure.rigid_motions import part_motions
+from stickslip.structure.tied_parts import supported_groups
 
 _AXES = ("x", "y", "z")
 Rows = list[tuple[str, ...]]
@@ -111,20 +112,24 @@ def _messages(model: ImportedModel, units_known: bool) -> Iterator[str]:
     mesh = model.mesh
     if units_known:
         yield f"Units: lengths in {model.length_unit}, materials and forces in the system {model.unit_system}."
-    for number, part in enumerate(part_motions(mesh, model.fixed_unknowns), start=1):
-        bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))
-        if part.is_hinged:
-            element = model.shown(model.element_labels[part.cells[0]])
+    tied = None if model.equations is None else eliminate(model.equations, model.fixed_unknowns)
+    for number, group in enumerate(supported_groups(mesh, model.fixed_unknowns, tied), start=1):
+        bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[group.cells]))
+        for part in group.parts:
+            if part.is_hinged:
+                element = model.shown(model.element_labels[part.cells[0]])
+                yield (
+                    f"Warning: connected part {number} ({bodies}; for example element {element}) consists of "
+                    f"{part.n_regions} regions that are connected at nodes or edges only, like hinges. Its stiffness "
+                    "is singular with any contact. Connect their faces, or separate them."
+                )
+        if group.free:
             yield (
-                f"Warning: connected part {number} ({bodies}; for example element {element}) consists of "
-                f"{part.n_regions} regions that are connected at nodes or edges only, like hinges. Its stiffness "
-                "is singular with any contact. Connect their faces, or separate them."
-            )
-        if part.rigid:
-            yield (
-                f"Connected part {number} ({bodies}) has {part.rigid} rigid-body motions that the file leaves free: "
+                f"Connected part {number} ({bodies}) has {group.free} rigid-body motions that the file leaves free: "
                 "contact or the study must constrain them."
             )
+    if tied is not None:
+        yield f"Ties and equations of the file make {tied.dependent_unknowns.size} displacements follow others."
     constrained: IntArray = model.fixed_unknowns
     if constrained.size:
         yield f"The file sets {constrained.size} displacements of {np.unique(constrained // 3).size} nodes to zero."

@@ -13,13 +13,15 @@ from stickslip.core.terminal import echo
 
 
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a sweep.", show_default=False)],
     debug: Debug = False,
 ) -> None:
-    """Write the report of a solved study again, without a new solution."""
+    """Write the report of a solved study again, or those of all cases of a sweep, without a new solution."""
     with error_messages(debug):
         if not folder.is_dir():
-            raise InputError(f'the folder "{folder}" does not exist. Give the --out folder of a run, with results.nc.')
+            raise InputError(
+                f'the folder "{folder}" does not exist. Give the --out folder of a run, with results.nc, or of a sweep.'
+            )
         from stickslip.study import run as study
 
         for file in study.report(folder):

@@ -24,6 +24,10 @@ class StickslipWarning(UserWarning):
     """stickslip corrected a problem by itself; the results are right."""
 
 
+class NotConvergedWarning(UserWarning):
+    """A result is not complete: its ``converged`` is False, and ``message`` gives the reason."""
+
+
 def show_warnings_as_lines() -> None:
     """From now on print a StickslipWarning as one line on stderr, without file and line of the code."""
     usual = warnings.showwarning

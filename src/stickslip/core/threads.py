@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import NamedTuple
 
 from threadpoolctl import threadpool_limits
 
@@ -16,6 +19,65 @@ MOST_BY_DEFAULT = 4
 
 # Rows of relative displacement below which a second thread of the linear algebra costs more than it gains.
 FEWEST_ROWS = 1000
+
+
+class Helpers(NamedTuple):
+    """The threads beside that of the solver, and how many they are."""
+
+    pool: Executor
+    threads: int
+
+
+_HELPERS: ContextVar[Helpers | None] = ContextVar("helpers", default=None)
+
+
+@contextmanager
+def solver_threads(rows: int, threads: int) -> Iterator[None]:
+    """Inside, the linear algebra of a joint with ``rows`` rows uses :func:`blas_threads`, and loops that are divided by
+    :func:`in_shares` are shared among ``threads`` threads.
+    """
+    with threadpool_limits(limits=blas_threads(rows, threads)):
+        if threads == 1:
+            yield
+            return
+        with ThreadPoolExecutor(threads - 1, thread_name_prefix="stickslip") as pool:
+            before = _HELPERS.set(Helpers(pool, threads - 1))
+            try:
+                yield
+            finally:
+                _HELPERS.reset(before)
+
+
+def in_shares(work: Callable[[int, int], None], count: int, least: int) -> None:
+    """Call ``work(start, stop)`` for shares of ``count`` items, each of at least ``least`` if there are as many.
+
+    The shares are worked on by the threads of :func:`solver_threads`, whoever is free, and must not depend on each
+    other. Outside of it, inside of another share and for less than two shares there is one call for everything.
+    """
+    helpers = _HELPERS.get()
+    if helpers is None or count < 2 * least:
+        work(0, count)
+        return
+    starts = iter(range(0, count, least))  # each next() is one step of the interpreter: no start is given out twice
+
+    def take() -> None:
+        for start in starts:
+            work(start, min(start + least, count))
+
+    alone = _HELPERS.set(None)
+    try:
+        waiting = [helpers.pool.submit(take) for _ in range(helpers.threads)]
+        try:
+            take()
+        finally:
+            for _ in starts:  # after an error nobody begins another share
+                pass
+            started = [each for each in waiting if not each.cancel()]
+            wait(started)
+        for each in started:
+            each.result()
+    finally:
+        _HELPERS.reset(alone)
 
 
 def in_threads(work: Callable[[int], None], items: Iterable[int], threads: int) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -55,17 +55,18 @@ def pressure_law(given: StiffnessLawKeys, section: str) -> PressureLaw | None:
 
 @dataclass(frozen=True)
 class NamedLaw:
-    """A contact law that an interface names, with its constants for the whole face."""
+    """A contact law that a study names for a face, with its constants for the whole face.
+
+    ``section`` is the one of the study file that names it; ``keys`` are those of the values that the joint gives, where
+    they are not keys of this section.
+    """
 
     interface: str
     name: str
     declaration: Declaration
     constants: LawConstants
-
-    @property
-    def section(self) -> str:
-        """The section of the interface."""
-        return f"interfaces.{self.interface}"
+    section: str
+    keys: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def declared(self) -> Mapping[str, Constant]:
@@ -94,6 +95,7 @@ class NamedLaw:
         except InputError as error:
             key_of = {name: f"{self.section}.constants.{name}" for name in self.declared}
             key_of |= {name: f"{self.section}.{_KEYS.get(name, name)}" for name in self.declaration.of_joint}
+            key_of |= self.keys
             raise _about(error, key_of, self.section) from error
         if law.n_pairs != members.size:
             raise InputError(

@@ -17,6 +17,7 @@ from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.contact.preload import area_fraction, face_sum
+from stickslip.contact.stiffness.hertz_line import HertzLine, HertzLineStiffness
 from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw, pair_pressure, springs_of_pairs
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.plausible import OddValue
@@ -36,7 +37,8 @@ class FaceSettings:
     """Friction of one face, and its stiffness (normal, tangential) in N/m; None where it follows from the pressure.
 
     One of the two is None where only that is given which the contact law must have. ``pressure_law`` is the law of the
-    stiffness over the pressure, None for that of [roughness]; ``contact_law`` is None for Coulomb friction.
+    stiffness over the pressure, None for that of [roughness]; ``contact_law`` is None for Coulomb friction. ``line`` is
+    the contact of a face that is a line, whose strip has the width ``layout.line_width``.
     """
 
     friction: float
@@ -44,6 +46,7 @@ class FaceSettings:
     load_key: str = "preload.centrifugal_force"  # the key of the study file that gives the face its load
     pressure_law: PressureLaw | None = None
     contact_law: NamedLaw | None = None
+    line: HertzLine | None = None
 
     @classmethod
     def of_case(cls, case: Case) -> FaceSettings:
@@ -67,7 +70,7 @@ class FaceSettings:
     @property
     def is_rough(self) -> bool:
         """Whether the stiffness follows from [roughness]."""
-        return self.is_pressed and self.pressure_law is None
+        return self.is_pressed and self.pressure_law is None and self.line is None
 
 
 @dataclass(frozen=True)
@@ -199,13 +202,14 @@ def pressure_warnings(
     """
     pairs, found = layout.face_pairs, []
     for face, own in enumerate(settings):
-        if own.pressure_law is None or not own.is_pressed:
+        law = _own_law(layout, own)
+        if law is None or not own.is_pressed:
             continue
         members = pairs.face == face
-        allocation = "pressure" if of_each_pair else own.pressure_law.allocation
+        allocation = "pressure" if of_each_pair or own.pressure_law is None else own.pressure_law.allocation
         pressure = pair_pressure(pairs.area[members], load[members], allocation)
         name = layout.face_names[face]
-        found += [f"{name}: {sentence}" for sentence in own.pressure_law.law.valid(np.unique(pressure))]
+        found += [f"{name}: {sentence}" for sentence in law.valid(np.unique(pressure))]
     return tuple(found)
 
 
@@ -270,13 +274,16 @@ def _require_possible(name: str, *stiffness: float) -> None:
 def face_allocation(case: Case, settings: FaceSettings) -> Allocation:
     """Whether the pairs of a face take its mean pressure, or each its own."""
     given = settings.pressure_law
+    if given is None and settings.line is not None:
+        return "pressure"
     return roughness_section(case).allocation if given is None else given.allocation
 
 
 def face_law(case: Case, layout: Layout, face: int, settings: FaceSettings) -> StiffnessLaw:
     """The stiffness law of a face that has no stiffness of its own. Raises InputError."""
-    if settings.pressure_law is not None:
-        return settings.pressure_law.law
+    own = _own_law(layout, settings)
+    if own is not None:
+        return own
     section = roughness_section(case)
     if section.reference_area is not None and section.allocation != "pressure":
         raise InputError(
@@ -287,6 +294,15 @@ def face_law(case: Case, layout: Layout, face: int, settings: FaceSettings) -> S
     return law_of_section(case_roughness(case, *layout.face_materials[face]), section, area)
 
 
+def _own_law(layout: Layout, settings: FaceSettings) -> StiffnessLaw | None:
+    """The stiffness law of a face that does not follow from [roughness]; None where it does, or is an input."""
+    if settings.pressure_law is not None:
+        return settings.pressure_law.law
+    if settings.line is None or layout.line_width is None:
+        return None
+    return HertzLineStiffness(settings.line, layout.line_width)
+
+
 def _stiffness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
     """Keys that determine the stiffness of a face: the roughness or its law, and the source of its load."""
     if case.preload.method == "solved":
@@ -295,7 +311,9 @@ def _stiffness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
         load = "preload.values"
     else:
         load = settings.load_key
-    return "roughness" if settings.pressure_law is None else settings.pressure_law.section, load
+    if settings.pressure_law is None:
+        return "roughness" if settings.line is None else "damper", load
+    return settings.pressure_law.section, load
 
 
 def odd_values(case: Case, layout: Layout) -> tuple[OddValue, ...]:

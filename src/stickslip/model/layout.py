@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -29,10 +29,15 @@ class NodeGroup:
     The weights distribute a force over the nodes, and a displacement is the weighted mean. In a reduction a single node
     keeps its displacements, without approximation by modes; several nodes are projected on the reduced basis
     (:meth:`stickslip.structure.recovery.Recovery.project`).
+
+    A dependent node or a reference node has ``blocks`` (k, 3, 3) instead: its displacement is ``sum blocks @ u`` of the
+    nodes that it follows, ``position`` (3,) m is its own, and ``weights`` are the mean of the diagonal of each block.
     """
 
     nodes: IntArray
     weights: FloatArray
+    blocks: FloatArray | None = None
+    position: FloatArray | None = None
 
     @classmethod
     def single(cls, node: int) -> NodeGroup:
@@ -44,10 +49,40 @@ class NodeGroup:
         """A group with equal weights."""
         return cls(nodes, np.full(nodes.size, 1.0 / nodes.size))
 
+    @classmethod
+    def following(cls, rows: Any, position: FloatArray) -> NodeGroup:
+        """A node whose displacement x, y, z is ``rows @ u``, csr (3, 3 * n_nodes) of independent displacements."""
+        entries = rows.tocoo()
+        nodes, place = np.unique(entries.col // 3, return_inverse=True)
+        blocks = np.zeros((nodes.size, 3, 3))
+        blocks[place, entries.row, entries.col % 3] = entries.data
+        return cls(nodes.astype(np.int64), np.einsum("kaa->k", blocks) / 3.0, blocks, position)
+
     @property
     def is_single(self) -> bool:
-        """Whether it is one node."""
-        return bool(self.nodes.size == 1)
+        """Whether it is one independent node."""
+        return bool(self.nodes.size == 1) and self.blocks is None
+
+    def unit_loads(self, size: int) -> FloatArray:
+        """(size, 3) N of a force of 1 N along x, y, z on all displacements; the transpose gives its displacement."""
+        loads = np.zeros((size, 3))
+        for axis in range(3):
+            if self.blocks is None:
+                loads[3 * self.nodes + axis, axis] = self.weights
+                continue
+            for column in range(3):
+                loads[3 * self.nodes + column, axis] = self.blocks[:, axis, column]
+        return loads
+
+    def mean_place(self, points: FloatArray) -> FloatArray:
+        """(3,) m of the group on a mesh with ``points`` (n, 3)."""
+        return np.asarray(self.weights @ points[self.nodes]) if self.position is None else self.position
+
+    def mean_of(self, vectors: FloatArray) -> FloatArray:
+        """(3, ...) the displacement of the group from those of the nodes (n, 3, ...)."""
+        if self.blocks is None:
+            return np.asarray(np.tensordot(self.weights, vectors[self.nodes], 1))
+        return np.asarray(np.einsum("kab,kb...->a...", self.blocks, vectors[self.nodes]))
 
 
 @dataclass(frozen=True)
@@ -79,6 +114,8 @@ class Layout:
         for each face its sets in the mesh: two, or one with the ground; empty without a mesh.
     odd_values:
         values of the structure that only a wrong unit explains.
+    line_width:
+        m, of the strip that each contact line stands for; None where the bodies touch on faces.
     """
 
     face_pairs: FacePairs
@@ -92,6 +129,7 @@ class Layout:
     body_names: tuple[str, ...] = ()
     contact_sets: tuple[tuple[str, ...], ...] = ()
     odd_values: tuple[OddValue, ...] = ()
+    line_width: float | None = None
 
     @cached_property
     def boundary_nodes(self) -> IntArray:

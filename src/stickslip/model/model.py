@@ -150,15 +150,12 @@ def node_group_rows(superelement: Superelement, layout: Layout) -> dict[str, Flo
 
 
 def _rows_of(superelement: Superelement, node_group: NodeGroup) -> FloatArray:
-    if np.isin(node_group.nodes, superelement.boundary_nodes).all():
+    if node_group.blocks is None and np.isin(node_group.nodes, superelement.boundary_nodes).all():
         rows = np.zeros((3, superelement.size))
         for node, share in zip(node_group.nodes, node_group.weights, strict=True):
             rows[np.arange(3), superelement.unknowns_of(int(node))] += share
         return rows
-    full = np.zeros((superelement.recovery.shape[0], 3))
-    for axis in range(3):
-        full[3 * node_group.nodes + axis, axis] = node_group.weights
-    return reduced_load(superelement, full).T
+    return reduced_load(superelement, node_group.unit_loads(superelement.recovery.shape[0])).T
 
 
 def build_model(

@@ -27,7 +27,7 @@ from stickslip.structure.superelement import Superelement
 
 # Sections of a study file whose keys change the matrices of the structure.
 OF_STRUCTURE: dict[type[Case], tuple[str, ...]] = {
-    TwoBladeCase: ("geometry", "material"),
+    TwoBladeCase: ("geometry", "damper", "material"),
     MeshCase: ("material", "bodies"),
 }
 # Keys of a two-blade study that change together if the damper is as long as the blades are wide: the mesh has other

@@ -15,7 +15,7 @@ from stickslip.core.files import whole_file
 from stickslip.reporting import band_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import number, shown_number
-from stickslip.reporting.sweep_view import short_name
+from stickslip.reporting.sweep_view import peak_remark, short_name
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure, Exceedance
 from stickslip.results.band_statistics import BandStatistics
@@ -193,7 +193,4 @@ def _sample_row(statistics: BandStatistics, place: int) -> dict[str, Any]:
     row = statistics.table.rows[place]
     inputs = [key.labels[place] if key.is_choice else number(key.shown[place]) for key in statistics.table.keys]
     results = [_number(MEASURES[name], row.measures.get(MEASURES[name].column, math.nan)) for name in DRAWN_MEASURES]
-    remark = "" if row.converged else f"Failed: {row.message}"
-    if row.converged and row.measures.get("peak_bracketed") != 1.0:
-        remark = "The largest amplitude is at an end of the range."
-    return {"cells": [str(place + 1), *inputs, *results], "remark": remark, "warnings": row.warnings}
+    return {"cells": [str(place + 1), *inputs, *results], "remark": peak_remark(row), "warnings": row.warnings}

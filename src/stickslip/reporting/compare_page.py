@@ -21,6 +21,7 @@ from stickslip.reporting.sweep_view import COLOURS, DASHES, SweepView
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.results.campbell import campbell
 from stickslip.results.comparison import Compared, ComparedMeasure, amplitude_at, compared_measures, differing_inputs
+from stickslip.results.peaks import caution
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
 
 _GRID = 2000  # chosen: frequencies of the curve of differences; finer than the pixels of a figure
@@ -89,7 +90,7 @@ def compare_page(compared: Sequence[Compared]) -> str:
         "description": f"{len(names)} results of stickslip run. All differences refer to the first one, {names[0]}.",
         "byline": when(provenance),
         "notices": list(_notices(compared)),
-        "tiles": list(_tiles(names, measures)),
+        "tiles": list(_tiles(compared, measures)),
         "names": names,
         "titles": [each.study.title for each in compared],
         "responses": [each.study.response_output for each in compared],
@@ -177,11 +178,14 @@ def _signed(percent: float) -> str:
     return ("+" if percent >= 0.0 else "") + number(float(f"{percent:.3g}"), 3) + " %"
 
 
-def _tiles(names: Sequence[str], measures: Sequence[Mapping[str, float]]) -> Iterator[Tile]:
+def _tiles(compared: Sequence[Compared], measures: Sequence[Mapping[str, float]]) -> Iterator[Tile]:
     first = measures[0]["peak_amplitude_m"]
-    for place, (name, numbers) in enumerate(zip(names, measures, strict=True)):
+    for place, (each, numbers) in enumerate(zip(compared, measures, strict=True)):
+        name, converged = each.name, each.response.converged
         peak = numbers["peak_amplitude_m"]
         more = f"at {shown_number(numbers['peak_frequency_hz'], 'Hz')} Hz"
+        if note := caution(numbers["peak_bracketed"] == 1.0, converged):
+            more += f" ({note})"
         if place:
             more += f"; {_signed(100.0 * (peak / first - 1.0))}"
         yield Tile(f"Highest peak, {name}", number(MICRO * peak), "µm", more)

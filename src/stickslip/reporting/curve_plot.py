@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.antiresonances import with_antiresonances
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, broken_line, figure_of, line_trace
 from stickslip.reporting.other_words import other_lines
 from stickslip.reporting.stiffness_words import stiffness_lines
@@ -28,8 +30,6 @@ def amplitude_frequency(view: View) -> Figure:
     """
     response, linear = view.response, view.response.linear
     low, high = view.window_hz
-    shown = (linear.frequency_hz >= low) & (linear.frequency_hz <= high)
-    frequency = linear.frequency_hz[shown]
     cursor = {
         "type": "scatter",
         "mode": "markers",
@@ -41,9 +41,9 @@ def amplitude_frequency(view: View) -> Figure:
     }
     return figure_of(
         [
-            line_trace(view.stuck_words, frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=_HOVER),
+            line_trace(view.stuck_words, *_limit(view, linear.stuck), BLUE, "dash", hovertemplate=_HOVER),
             line_trace(
-                "linear, no contact", frequency, view.free_um[shown], ORANGE, "dot", width=2.5, hovertemplate=_HOVER
+                "linear, no contact", *_limit(view, linear.free), ORANGE, "dot", width=2.5, hovertemplate=_HOVER
             ),
             *_curve(view),
             *_peaks_of_sweeps(view),
@@ -58,6 +58,15 @@ def amplitude_frequency(view: View) -> Figure:
         annotations=[_peak_label(view), *_jumps(view)],
         hovermode="closest",
     )
+
+
+def _limit(view: View, motion: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Hz and µm of a linear limit (n_linear, n, 2H+1) in the range that is shown, with its antiresonances."""
+    linear, (low, high) = view.response.linear, view.window_hz
+    shown = (linear.frequency_hz >= low) & (linear.frequency_hz <= high)
+    signal = np.einsum("pic,i->pc", motion[shown], view.study.outputs[view.study.response_output])
+    frequency_hz, amplitude = with_antiresonances(linear.frequency_hz[shown], signal)
+    return frequency_hz, MICRO * amplitude
 
 
 def _curve(view: View) -> Iterator[dict[str, Any]]:
@@ -84,8 +93,8 @@ def _drawn(name: str, view: View, drawn: Flags, dash: str, width: float) -> dict
 
 
 def _highest_words(view: View) -> str:
-    if not view.summary.peak.bracketed:
-        return "highest"
+    if view.summary.caution(view.summary.peak):
+        return "highest computed"
     return "highest peak on the curve" if view.summary.sweeps_differ else "peak"
 
 

@@ -119,7 +119,8 @@ def mark_size(position: FloatArray, drawing: tuple[float, float], largest: float
     """
     if len(position) < 2:
         return largest
-    places = position * np.array(drawing) / np.ptp(map_range(position), axis=1)
+    # to scale, as the map itself
+    places = position * float((np.array(drawing) / np.ptp(map_range(position), axis=1)).min())
     # squares of width s are apart where |dx| or |dy| is above s
     nearest = KDTree(places).query(places, k=2, p=np.inf)[0][:, 1]
     return float(np.clip(np.quantile(nearest, _CLOSE_FRACTION), _SMALLEST_MARK, largest))

@@ -11,8 +11,9 @@ from stickslip.core.files import whole_file
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.page_data import page_data
 from stickslip.reporting.page_sections import CURVE, SECTIONS
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import length, number, shown_number
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.reporting.verdict import verdict
 from stickslip.reporting.view import View
 from stickslip.results.measures import Summary
 from stickslip.results.peaks import Peak
@@ -41,11 +42,13 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
     figures = {name: figure for section in sections for name, figure in section.figures(view).items()}
     pictures = sum(content.characters for content in contents if content.data)  # words have a limit of their own
     numbers = page_data(view, pictures)
+    notices = list(_notices(view))
     values = {
         "title": study.title,
         "description": study.description,
         "byline": " · ".join([when(response.provenance), f"{response.n_points} points", _resolution(view), ended]),
-        "notices": list(_notices(view)),
+        "notices": notices,
+        "verdict": verdict(view, sum(len(each.sentences) for each in notices if each.kind == "warn")),
         "tiles": _tiles(view),
         "point": view.point,
         "last_point": response.n_points - 1,
@@ -82,7 +85,7 @@ def _notices(view: View) -> Iterator[Notice]:
     if not response.converged:
         words = "These are partial results: the figures show the computed points."
         yield Notice("bad", "The solver did not converge", [response.message, words])
-    warnings = [*response.warnings, *view.study.warnings]
+    warnings = [*view.study.warnings, *response.warnings]  # a wrong input comes before what follows from it
     if not view.summary.peak.bracketed:
         warnings.append(
             "The largest amplitude is at an end of the computed range, so the true peak may be higher: widen the "
@@ -96,11 +99,16 @@ def _peak_tiles(measures: Summary) -> Iterator[Tile]:
     """The highest peak on the curve and, where they differ, the peaks of both slow sweeps."""
 
     def tile(heading: str, peak: Peak, more: str = "") -> Tile:
-        at = f"at {shown_number(peak.frequency_hz, 'Hz')} Hz"
-        return Tile(heading, number(MICRO * peak.amplitude), "µm", f"{at}{more}")
+        at = " ".join(filter(None, [measures.caution(peak), f"at {shown_number(peak.frequency_hz, 'Hz')} Hz"]))
+        return Tile(heading, *length(peak.amplitude), f"{at}{more}")
 
+    beside = ""
+    if measures.stiffness_peaks is not None:
+        low, high = (" ".join(length(value)) for value in measures.stiffness_peaks)
+        more = " or more" if measures.stiffness_at_end else ""
+        beside = f"; {low} to {high}{more} with 1/3 to 3 of the stiffness, not measured"
     if not measures.sweeps_differ:
-        yield tile("Peak amplitude, 0‑to‑peak", measures.peak, ", of a slow sweep up and down alike")
+        yield tile("Peak amplitude, 0‑to‑peak", measures.peak, f", of a slow sweep up and down alike{beside}")
         return
     reached = [
         words
@@ -108,7 +116,7 @@ def _peak_tiles(measures: Summary) -> Iterator[Tile]:
         if reaches(measures.peak, peak)
     ]
     only = f", only a slow sweep {reached[0]} reaches it" if reached else ", no slow sweep reaches it"
-    yield tile("Highest peak on the curve, 0‑to‑peak", measures.peak, only)
+    yield tile("Highest peak on the curve, 0‑to‑peak", measures.peak, f"{only}{beside}")
     for direction, peak in (("up", measures.upward_peak), ("down", measures.downward_peak)):
         heading = f"Peak of a slow sweep {direction}, 0‑to‑peak"
         yield Tile(heading, "–", more="no stable point") if peak is None else tile(heading, peak)

@@ -49,6 +49,8 @@ def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
         "nPairs": response.pairs.n_pairs,
         "coefficients": n_coefficients,
         "point": view.point,
+        "peakFrequency": round(view.summary.peak.frequency_hz, 6),
+        "peakAmplitude": float(f"{MICRO * view.summary.peak.amplitude:.7g}"),
         "pair": view.pair,
         "frequency": response.frequency_hz.round(6).tolist(),
         "amplitude": [float(f"{value:.7g}") for value in view.amplitude_um],

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.reporting import plots
+from stickslip.reporting.assumption_section import ASSUMPTIONS
 from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.gradient_section import GRADIENTS
 from stickslip.reporting.look import Figure
@@ -109,7 +110,7 @@ def _mode_cell(key: str, value: str | float | int | None) -> str:
         return str(int(value))
     if key == "mac":
         return f"{value:.4f}"
-    return f"{value:.2e}".replace("-", "−") if key == "difference_percent" else shown_number(float(value), "Hz")
+    return number(float(value), 3) if key == "difference_percent" else shown_number(float(value), "Hz")
 
 
 def _rough_face(patch: RoughPatch) -> str:
@@ -281,6 +282,7 @@ SECTIONS = (
 """,
         lambda view: {"measures": _measures(view)},
     ),
+    ASSUMPTIONS,
     Section(
         "Rough face",
         """<p class="note">{{ rough_face }}</p>{{ parts.panel("rough-map", "Heights of a rough face") }}""",
@@ -291,7 +293,7 @@ SECTIONS = (
     Section(
         "Derived quantities",
         """\
-{% call parts.scrolled("Derived quantities") %}<table class="plain"><thead><tr>
+{% call parts.scrolled("Derived quantities") %}<table class="plain wide"><thead><tr>
 <th class="word">Quantity</th><th>Value</th>
 <th class="word">Unit</th><th class="word">Meaning</th></tr></thead><tbody>
 {%- for name, value, unit, explanation in derived %}<tr><th scope="row">{{ name }}</th><td>{{ value }}</td>
@@ -300,7 +302,14 @@ SECTIONS = (
         _derived,
         applies=lambda view: bool(view.study.derived),
     ),
-    Section("Inputs", "{{ parts.input_text(inputs) }}", lambda view: {"inputs": view.study.inputs}),
+    Section(
+        "Inputs",
+        """{% if changed %}<p class="note">These keys differ from their defaults:</p>
+<ul class="changed">{% for line in changed %}<li><code>{{ line }}</code></li>{% endfor %}</ul>
+{% endif %}<details class="more"><summary>The complete study file</summary>
+{{ parts.input_text(inputs) }}</details>""",
+        lambda view: {"inputs": view.study.inputs, "changed": view.study.changed_inputs.splitlines()},
+    ),
     Section(
         "Settings and provenance",
         """\

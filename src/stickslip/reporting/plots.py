@@ -133,8 +133,8 @@ def _on_face(traces: list[dict[str, Any]], position: FloatArray) -> Figure:
     return figure_of(
         traces,
         230,
-        xaxis=axis_look("Along the length, mm", range=ranges[0], showgrid=False, fixedrange=True),
-        yaxis=axis_look("Across, mm", range=ranges[1], showgrid=False, fixedrange=True),
+        xaxis=axis_look("Along the face, mm", range=ranges[0], constrain="domain", showgrid=False, fixedrange=True),
+        yaxis=axis_look("Across, mm", range=ranges[1], scaleanchor="x", showgrid=False, fixedrange=True),
         hovermode="closest",
         dragmode=False,
         margin={"l": 48, "r": 12, "t": 6, "b": 42},

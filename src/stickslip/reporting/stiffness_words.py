@@ -9,6 +9,7 @@ from stickslip.core.plain_figure import GREEN
 from stickslip.reporting.look import PlotMarkup, line_trace
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.view import View
+from stickslip.results.measures import Summary
 
 _DASHES = ("dashdot", "longdash")
 
@@ -25,6 +26,15 @@ def stiffness_lines(view: View) -> Iterator[dict[str, Any]]:
         )
 
 
+def stiffness_range(measures: Summary) -> str:
+    """Amplitude and frequency of the peak over the band, in words; "" without a band."""
+    if measures.stiffness_peaks is None or measures.stiffness_peaks_hz is None:
+        return ""
+    least, most = (number(MICRO * value) for value in measures.stiffness_peaks)
+    low, high = (shown_number(value, "Hz") for value in measures.stiffness_peaks_hz)
+    return f"{least} to {most} µm at {low} to {high} Hz"
+
+
 def stiffness_words(view: View) -> str:
     """The range of the peak over the band; "" without a band."""
     return " ".join(_sentences(view))
@@ -34,14 +44,10 @@ def _sentences(view: View) -> Iterator[str]:
     band = view.response.stiffness_band
     if band is None:
         return
-    tops = band.curve_peaks(view.output)
-    every = (view.summary.peak, *tops)
-    least, most = (number(MICRO * end([peak.amplitude for peak in every])) for end in (min, max))
-    low, high = (shown_number(end([peak.frequency_hz for peak in every]), "Hz") for end in (min, max))
+    tops, found = band.curve_peaks(view.output), stiffness_range(view.summary)
     yield (
         "The contact stiffness follows from the roughness and was not measured; two methods of measurement differ by a "
-        f"factor 3 on one contact. With a third of it, as computed, and with three times it, the peak is {least} to "
-        f"{most} µm at {low} to {high} Hz."
+        f"factor 3 on one contact. With a third of it, as computed, and with three times it, the peak is {found}."
     )
     for name, top, complete in zip(band.names, tops, band.complete.tolist(), strict=True):
         if not complete:

@@ -35,7 +35,7 @@ def _values(view: View) -> dict[str, Any]:
         paint = Paint(_MPA * np.asarray(sketch.stress.alternating, dtype=float), STRESS_WORDS["alternating"])
         still = base64.b64encode(still_picture(view.study, sketch, paint)).decode("ascii")
     return {
-        "frequency": shown_number(stress.frequency_hz, "Hz"),
+        "frequency": shown_number(view.shown_frequency_hz(stress.frequency_hz), "Hz"),
         "static": _STATIC[stress.static],
         "rows": list(_rows(stress)),
         "per_force": list(_per_force(stress)),

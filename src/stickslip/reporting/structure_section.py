@@ -27,7 +27,7 @@ def _content(view: View) -> Content:
     values = {
         "caption": _caption(sketch, picture),
         "legend": _legend(picture, len(sketch.body_names)),
-        "deflection": _deflection(picture),
+        "deflection": _deflection(view, picture),
         "stresses": [] if sketch.stress is None else list(STRESS_WORDS.values()),
         "has_close_view": picture.has_close_view,
         "words": _words(study, sketch),
@@ -48,7 +48,7 @@ def _caption(sketch: Sketch, picture: StructurePicture) -> str:
     return " ".join(words)
 
 
-def _deflection(picture: StructurePicture) -> str:
+def _deflection(view: View, picture: StructurePicture) -> str:
     """What the deflected shape shows; empty where the motion is not known."""
     shape = picture.deflection
     if shape is None:
@@ -60,8 +60,8 @@ def _deflection(picture: StructurePicture) -> str:
             "the motion, as for a body that only friction supports, which has no unique mean position"
         )
     return (
-        f"Deflected shape at the peak, {shown_number(shape.frequency_hz, 'Hz')} Hz: displacements × "
-        f"{number(shape.magnification)}, {words}. The largest true displacement in the picture is "
+        f"Deflected shape at the peak, {shown_number(view.shown_frequency_hz(shape.frequency_hz), 'Hz')} Hz: "
+        f"displacements × {number(shape.magnification)}, {words}. The largest true displacement in the picture is "
         f"{number(MICRO * shape.largest)} µm."
     )
 

@@ -54,6 +54,13 @@ def energy_unit(largest: float) -> tuple[float, str]:
     return 1e9, "nJ"
 
 
+def length(value: float) -> tuple[str, str]:
+    """A length in m as a number with readable digits and its unit: nm, µm or mm."""
+    size = abs(value)
+    factor, unit = (1e3, "mm") if size >= 1e-2 else (1e6, "µm") if size >= 1e-7 or not size else (1e9, "nm")
+    return number(factor * value), unit
+
+
 def number(value: float | int | str, digits: int = 4) -> str:
     """A number as a reader expects it: no exponent between 0.001 and 1e6, a true minus sign."""
     if isinstance(value, str):

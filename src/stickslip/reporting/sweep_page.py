@@ -6,19 +6,21 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.reporting import sweep_plots as plots
+from stickslip.reporting.best_of_worst import best_of_worst
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.look import Figure, plain_figures
 from stickslip.reporting.style import MICRO, number, shown_number
-from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, short_name
+from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, peak_remark, short_name
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.thinning import Thinned
 from stickslip.results.sweep_table import SweepRow
 
+REPORT_FILE = "report.html"  # page of a case, beside its results
 # column of the table -> heading, factor, unit
 _COLUMNS = {
     "peak_amplitude_m": ("Highest peak, µm", MICRO, "µm"),
@@ -27,6 +29,8 @@ _COLUMNS = {
     "downward_peak_amplitude_m": ("Peak, slow sweep down, µm", MICRO, "µm"),
     "shift_from_stuck_hz": ("Shift from stuck, Hz", 1.0, "Hz"),
     "shift_from_free_hz": ("Shift from free, Hz", 1.0, "Hz"),
+    "reduction_from_stuck": ("Reduction from stuck, %", 100.0, "%"),
+    "equivalent_damping_ratio": ("Equivalent damping, %", 100.0, "%"),
     "pairs_stuck": ("Stuck", 1.0, ""),
     "pairs_stick_slip": ("Stick-slip", 1.0, ""),
     "pairs_separating": ("Separating", 1.0, ""),
@@ -60,6 +64,7 @@ def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str
         "tiles": list(_tiles(view)),
         "curves_note": _curves_note(view, points) if points else "",
         "key_names": [key.name for key in view.table.keys],
+        "answer": best_of_worst(view),
         "optimum": _optimum_words(view) if view.place_of(LOAD_KEY) is not None else "",
         "map_headings": [heading for heading, _ in maps],
         "maps_left_out": _omitted_maps(view),
@@ -176,6 +181,7 @@ class _Row:
     cells: list[str]
     remark: str
     warnings: tuple[str, ...]
+    page: str = ""
 
 
 def _table_row(view: SweepView, place: int, row: SweepRow) -> _Row:
@@ -184,7 +190,10 @@ def _table_row(view: SweepView, place: int, row: SweepRow) -> _Row:
     for name, (_, factor, unit) in _COLUMNS.items():
         value = row.measures.get(name, math.nan)
         cells.append("–" if math.isnan(value) else shown_number(factor * value, unit))
-    remark = "" if row.converged else f"Failed: {row.message} "
-    if row.converged and row.measures.get("peak_bracketed") == 0.0:
-        remark = "The largest amplitude is at an end of the range. "
-    return _Row(cells, remark, row.warnings)
+    remark = peak_remark(row)
+    return _Row(
+        cells,
+        remark,
+        row.warnings,
+        str(PurePosixPath(row.file).with_name(REPORT_FILE)) if row.file.startswith("cases/") else "",
+    )

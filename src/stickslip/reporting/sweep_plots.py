@@ -15,6 +15,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
 from stickslip.reporting.slow_sweep_marks import slow_sweep_marks
 from stickslip.reporting.style import MICRO
+from stickslip.reporting.style import number as shown_digits
 from stickslip.reporting.sweep_view import (
     COLOURS,
     DASHES,
@@ -139,9 +140,10 @@ def _colours(key: SweptKey) -> list[str]:
     """A colour for each value: distinct ones for choices and few values, else a scale over the numbers."""
     if key.is_choice or len(key.values) <= len(COLOURS):
         return [COLOURS[place % len(COLOURS)] for place in range(len(key.values))]
-    low, high = min(key.shown), max(key.shown)
+    shown = np.log(key.shown) if is_logarithmic(np.array(key.shown)) else np.array(key.shown)
+    low, high = float(shown.min()), float(shown.max())
     # whole steps of the scale, so that neighbours among very many values have one colour
-    return [_scale_colour(round(SHADES * (number - low) / (high - low)) / SHADES) for number in key.shown]
+    return [_scale_colour(round(SHADES * (number - low) / (high - low)) / SHADES) for number in shown.tolist()]
 
 
 def _scale_colour(share: float) -> str:
@@ -154,11 +156,16 @@ def _scale_colour(share: float) -> str:
 
 def _colour_bar(key: SweptKey) -> dict[str, Any]:
     """A trace without points for the scale of the colours."""
-    bar = {"title": {"text": axis_title(key), "side": "right"}, "thickness": 12, "outlinewidth": 0}
+    bar: dict[str, Any] = {"title": {"text": axis_title(key), "side": "right"}, "thickness": 12, "outlinewidth": 0}
+    low, high = min(key.shown), max(key.shown)
+    if is_logarithmic(np.array(key.shown)):
+        ticks = [low, math.sqrt(low * high), high]
+        bar |= {"tickvals": [math.log(each) for each in ticks], "ticktext": [shown_digits(each, 3) for each in ticks]}
+        low, high = math.log(low), math.log(high)
     marker = {
-        "color": [min(key.shown)],
-        "cmin": min(key.shown),
-        "cmax": max(key.shown),
+        "color": [low],
+        "cmin": low,
+        "cmax": high,
         "colorscale": [list(stop) for stop in SCALE],
         "showscale": True,
         "colorbar": bar,
@@ -181,6 +188,7 @@ def against_key(view: SweepView, place: int) -> Figure:
         ):
             hover = PlotMarkup("{}<br>%{{x}}<br>{}<extra></extra>").format(group.label or short_name(key), shown)
             look = {"xaxis": "x", "yaxis": axis, "hovertemplate": hover}
+            look |= {"mode": "markers"} if key.is_choice else {}  # between words there is nothing
             traces += _group_lines(number, group.label, x, factor * view.number(column)[rows], inside[rows], look)
         traces += slow_sweep_marks(view, rows, x, np.full(len(view.table.rows), MICRO), "µm")
     _list_once(traces, len(groups) > 1)
@@ -213,13 +221,16 @@ def _group_lines(
     """A line through the peaks that lie inside their range; the others as open circles that no line joins."""
     colour, dash = COLOURS[number % len(COLOURS)], DASHES[number // len(COLOURS) % len(DASHES)]
     common = {"type": "scatter", "name": label or "peak", "legendgroup": str(number)} | look
-    yield common | {
-        "mode": "lines+markers",
-        "x": [value for value, is_inside in zip(x, inside, strict=True) if is_inside],
-        "y": plain_list(y[inside]),
-        "line": {"color": colour, "dash": dash, "width": 2.0},
-        "marker": {"size": 8, "color": colour},
-    }
+    yield (
+        {"mode": "lines+markers"}
+        | common
+        | {
+            "x": [value for value, is_inside in zip(x, inside, strict=True) if is_inside],
+            "y": plain_list(y[inside]),
+            "line": {"color": colour, "dash": dash, "width": 2.0},
+            "marker": {"size": 8, "color": colour},
+        }
+    )
     if not inside.all():
         yield common | {
             "mode": "markers",

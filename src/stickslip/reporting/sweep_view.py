@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
 from stickslip.core.validation import FloatArray
-from stickslip.results.sweep_table import SweepCurve, SweepTable, SweptKey
+from stickslip.results.peaks import caution
+from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
 
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, INK)
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
@@ -81,6 +82,13 @@ class SweepView:
 def _rank(key: SweptKey) -> NDArray[np.int64]:
     """(n_values,) place of each value by size; choices keep their order."""
     return np.argsort(np.argsort(key.shown)) if key.shown else np.arange(len(key.values))
+
+
+def peak_remark(row: SweepRow) -> str:
+    """Why a case failed, and whether the peak of its row may not be the highest one."""
+    note = caution(row.measures["peak_bracketed"] == 1.0, row.converged) if row.measures else ""
+    failure = "" if row.converged else f"Failed: {row.message}"
+    return " ".join(filter(None, [f"Peak: {note}." if note else "", failure]))
 
 
 def short_name(key: SweptKey) -> str:

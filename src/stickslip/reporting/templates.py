@@ -83,11 +83,12 @@ def whole_page(
         the line above the title; the title of the window if it is another one.
     styles, scripts, data:
         further style sheets of the assets; scripts of the assets that draw figures with plotly, and what they read:
-        id of an element -> value that becomes JSON. Without scripts the page has none, nor plotly.
+        id of an element -> value that becomes JSON. Without scripts the page has no plotly, only the tools of all
+        pages.
     package:
         whose folder "assets" has the template and the further style sheets.
     """
-    code = _scripts(scripts) if scripts else ()
+    code = _scripts(scripts)
     frame = {
         "kind": kind,
         "head_title": head_title or values["title"],
@@ -127,10 +128,13 @@ def _own_text(name: str, package: str = OWN_PACKAGE) -> Markup:
 
 
 def _scripts(own: Sequence[str]) -> tuple[Markup, ...]:
-    """plotly.js and scripts of the assets."""
+    """Scripts of the assets after plotly.js, if there are any, and the tools of every page."""
+    tools = _own_text("tools.js")
+    if not own:
+        return (tools,)
     from plotly.offline import get_plotlyjs
 
-    return Markup(get_plotlyjs()), *map(_own_text, own)
+    return Markup(get_plotlyjs()), *map(_own_text, own), tools
 
 
 def _source(script: str) -> str:

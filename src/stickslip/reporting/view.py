@@ -57,6 +57,11 @@ class View:
             energy_unit=unit,
         )
 
+    def shown_frequency_hz(self, frequency_hz: float) -> float:
+        """The frequency of a computed point as the page shows it: that of the peak for the nearest point to it."""
+        at_peak = abs(frequency_hz - float(self.response.frequency_hz[self.point])) <= 1e-9 * frequency_hz
+        return self.summary.peak.frequency_hz if at_peak else frequency_hz
+
     @property
     def window_hz(self) -> tuple[float, float]:
         """Frequency range to show: the computed curve and the linear peaks inside their range, with a margin."""

@@ -12,7 +12,7 @@ from stickslip.results.measures import SUMMARY_COLUMNS
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
-from stickslip.results.tables import Table, column_of
+from stickslip.results.table import Table, column_of
 
 
 @dataclass(frozen=True, eq=False)

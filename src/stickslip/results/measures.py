@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
-from stickslip.results.peaks import Peak, half_power_width, peaks
+from stickslip.results.peaks import Peak, caution, half_power_width, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sweeps_of_curve import Direction, Jump, largest_jump, notable_jumps, reaches
 
@@ -26,6 +26,7 @@ ROUND_OFF = 1e-12
 class Summary:
     """The main measures of one output, at the highest peak on the curve.
 
+    ``complete``: the curve covers its range; else each peak is only the highest of the computed part (:meth:`caution`).
     ``peak`` is the highest one on the curve, ``upward_peak`` and ``downward_peak`` are those that a slow sweep up and a
     slow sweep down reach (None without a stable point); they are equal where the curve does not fold. ``jumps`` are
     those of both sweeps. Shifts are in Hz, negative if the peak is below the linear one. Reductions are ``1 - amplitude
@@ -37,8 +38,12 @@ class Summary:
     an error of sampling; ``energy_imbalance`` relative to the input and the largest on the whole curve.
     ``traction_peaks`` (m) and ``traction_jumps_up_hz`` and ``_down_hz`` are the ranges over this curve and those with
     extreme residual tractions (:class:`stickslip.results.traction_band.TractionBand`); None without such curves.
+    ``stiffness_peaks`` (m) and ``stiffness_peaks_hz`` are the ranges of the highest peak over this curve and those with
+    another contact stiffness (:class:`stickslip.results.stiffness_band.StiffnessBand`); None without such curves.
+    ``stiffness_at_end`` is True if one of these curves has its largest amplitude at an end, so the range is larger.
     """
 
+    complete: bool
     peak: Peak
     upward_peak: Peak | None
     downward_peak: Peak | None
@@ -66,11 +71,18 @@ class Summary:
     traction_peaks: tuple[float, float] | None = None
     traction_jumps_up_hz: tuple[float, float] | None = None
     traction_jumps_down_hz: tuple[float, float] | None = None
+    stiffness_peaks: tuple[float, float] | None = None
+    stiffness_peaks_hz: tuple[float, float] | None = None
+    stiffness_at_end: bool = False
 
     @property
     def sweeps_differ(self) -> bool:
         """Whether a slow sweep up or a slow sweep down does not reach the highest peak."""
         return not all(reaches(self.peak, side) for side in (self.upward_peak, self.downward_peak))
+
+    def caution(self, peak: Peak) -> str:
+        """Words beside a peak of the curve that may not be the highest one, "" beside others."""
+        return caution(peak.bracketed, self.complete)
 
     @property
     def notable_jumps(self) -> tuple[Jump, ...]:
@@ -123,6 +135,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
     energy = response.friction_energy.sum(axis=1)
     counts = state_counts(response.contact_state[point][None])[0]
     return Summary(
+        complete=response.converged,
         peak=peak,
         upward_peak=up.peak,
         downward_peak=down.peak,
@@ -148,12 +161,13 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         peak_energy=float(energy.max()),
         peak_energy_frequency_hz=float(response.frequency_hz[energy.argmax()]),
         **_traction_ranges(response, output, peak, (*up.jumps, *down.jumps)),
+        **_stiffness_ranges(response, output, peak),
     )
 
 
 def _traction_ranges(
     response: ForcedResponse, output: ArrayLike, peak: Peak, jumps: tuple[Jump, ...]
-) -> dict[str, tuple[float, float] | None]:
+) -> dict[str, Any]:
     """Ranges of the peak and of the largest jump of each slow sweep over the curve and its band of tractions."""
     band = response.traction_band
     if band is None:
@@ -168,6 +182,19 @@ def _traction_ranges(
         places += [largest_jump(own).frequency_hz] if own else []
         ranges[f"traction_jumps_{direction}_hz"] = (min(places), max(places)) if places else None
     return ranges
+
+
+def _stiffness_ranges(response: ForcedResponse, output: ArrayLike, peak: Peak) -> dict[str, Any]:
+    """Ranges of amplitude and frequency of the peak over the curve and its band of contact stiffness."""
+    if response.stiffness_band is None:
+        return {}
+    every = (peak, *response.stiffness_band.curve_peaks(output))
+    amplitude, frequency_hz = [each.amplitude for each in every], [each.frequency_hz for each in every]
+    return {
+        "stiffness_peaks": (min(amplitude), max(amplitude)),
+        "stiffness_peaks_hz": (min(frequency_hz), max(frequency_hz)),
+        "stiffness_at_end": not all(each.bracketed for each in every),
+    }
 
 
 def hertz(value: float) -> str:
@@ -187,7 +214,8 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         return "-" if value is None else hertz(value)
 
     def reached(what: str, peak: Peak | None) -> list[tuple[str, str, str]]:
-        words = what if peak is None or peak.bracketed else f"{what} (at an end)"
+        note = "" if peak is None else result.caution(peak)
+        words = f"{what} ({note})" if note else what
         return [
             (f"{words}: amplitude, 0-to-peak, mean included", number(_reached(peak, "amplitude"), 1e6), "µm"),
             (f"{words}: frequency", shift(_reached(peak, "frequency_hz")), "Hz"),
@@ -195,6 +223,7 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
 
     return [
         *reached("Highest peak on the curve", result.peak),
+        *_stiffness_rows(result),
         *reached("Peak of a slow sweep up", result.upward_peak),
         *reached("Peak of a slow sweep down", result.downward_peak),
         *(_jump_row(jump) for jump in result.notable_jumps),
@@ -220,6 +249,17 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
 def _imbalance_words(value: float) -> str:
     """An imbalance, or the limit of the round-off below which its digits say nothing."""
     return f"below {ROUND_OFF:.0e}" if value < ROUND_OFF else f"{value:.2g}"
+
+
+def _stiffness_rows(result: Summary) -> Iterator[tuple[str, str, str]]:
+    """The range beside the highest peak: nobody measured the stiffness that it belongs to."""
+    if result.stiffness_peaks is not None and result.stiffness_peaks_hz is not None:
+        (low, high), (first, last) = result.stiffness_peaks, result.stiffness_peaks_hz
+        words = "... with 1/3 to 3 of the contact stiffness, not measured"
+        if result.stiffness_at_end:
+            words += " (at an end)"
+        yield f"{words}: amplitude", f"{1e6 * low:.4g} to {1e6 * high:.4g}", "µm"
+        yield f"{words}: frequency", f"{hertz(first)} to {hertz(last)}", "Hz"
 
 
 def _traction_rows(result: Summary) -> Iterator[tuple[str, str, str]]:

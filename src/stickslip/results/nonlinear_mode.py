@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
@@ -12,6 +13,7 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray, require_positive
 from stickslip.results.mode_figure import Backbone, mode_figure
 from stickslip.results.periodic_motions import CURVE, PeriodicMotions
+from stickslip.results.table import Table, column_of
 from stickslip.results.variables import Attribute, Numbers, Text, stored
 
 if TYPE_CHECKING:
@@ -137,6 +139,24 @@ class NonlinearMode(PeriodicMotions):
     def passes_peaks(self) -> NDArray[np.bool_]:
         """(n_points,) whether peaks of forced responses are on the mode: the damping ratio is at most 3 %."""
         return np.asarray(self.damping_ratio <= LARGEST_RATIO_OF_PEAKS)
+
+    def tables(self, name: str) -> Iterator[Table]:
+        """See :class:`stickslip.results.part.ResultPart`."""
+        columns = (
+            column_of("modal amplitude", "m kg^0.5", self.modal_amplitude),
+            column_of("frequency", "Hz", self.frequency_hz),
+            column_of("damping ratio", "1", self.damping_ratio),
+            column_of("dissipated energy", "J", self.dissipated_energy.sum(axis=1)),
+        )
+        yield Table(name, f"nonlinear mode {self.mode}", columns)
+
+    def closing_words(self, name: str) -> Iterator[str]:
+        """See :class:`stickslip.results.part.ResultPart`."""
+        yield f"Nonlinear mode {self.mode}: {self.message} {self.n_points} points."
+        low, high = self.damping_ratio.min(), self.damping_ratio.max()
+        yield f"  frequency      {self.frequency_hz.min():.2f} to {self.frequency_hz.max():.2f} Hz"
+        yield f"  damping ratio  {100 * low:.3g} to {100 * high:.3g} %"
+        yield from (f"Warning: {sentence}" for sentence in self.warnings)
 
     def plot(self, quasi_static: QuasiStaticMode | None = None) -> Figure:
         """Frequency and damping ratio against modal amplitude, with the linear limits, as a figure of matplotlib.

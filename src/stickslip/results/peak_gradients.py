@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
@@ -9,12 +10,15 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray, real_number, require_positive
 from stickslip.results.gradient_figure import tornado_figure
+from stickslip.results.table import Table, column_of
 from stickslip.results.variables import Json, Labelled, Numbers, stored
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PARAMETER = ("parameter",)
+
+STRONGEST = 5  # chosen: inputs whose gradients the command prints; the page has all
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +95,29 @@ class PeakGradients(Labelled):
     def order(self) -> list[int]:
         """The parameters by the size of the relative change of the amplitude, the largest first."""
         return [int(place) for place in np.argsort(-np.abs(self.relative_changes()[0]), kind="stable")]
+
+    def tables(self, name: str) -> Iterator[Table]:
+        """See :class:`stickslip.results.part.ResultPart`: derivatives, each over the unit of its parameter."""
+        columns = (
+            column_of("parameter", "", self.names),
+            column_of("value", "", self.value),
+            column_of("unit", "", self.units),
+            column_of("amplitude by it", "m", self.by_amplitude),
+            column_of("error of the amplitude", "m", self.error_amplitude),
+            column_of("frequency by it", "Hz", self.by_frequency_hz),
+            column_of("error of the frequency", "Hz", self.error_frequency_hz),
+            column_of("friction energy by it", "J", self.by_friction_energy),
+            column_of("error of the friction energy", "J", self.error_friction_energy),
+        )
+        yield Table(name, "derivatives of the peak by each parameter, for one unit of it", columns)
+
+    def closing_words(self, name: str) -> Iterator[str]:
+        """See :class:`stickslip.results.part.ResultPart`: the strongest inputs."""
+        yield "Change of the peak amplitude by 10 % more of an input, first order:"
+        changes, strongest = self.relative_changes(0.1)[0], self.order[:STRONGEST]
+        width = max((len(self.names[place]) for place in strongest), default=0)
+        yield from (f"  {self.names[place]:<{width}}  {100 * changes[place]:+.2g} %" for place in strongest)
+        yield from (f"Note: {sentence}" for sentence in self.messages)
 
     def plot(self, change: float = 0.1, count: int = 15) -> Figure:
         """A tornado plot: what a relative ``change`` of each parameter to both sides does to the amplitude, the

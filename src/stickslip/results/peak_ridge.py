@@ -16,6 +16,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, require_positive
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.ridge_figure import RidgePicture, ridge_figure
+from stickslip.results.table import Table, column_of
 from stickslip.results.variables import Attribute, Flags, Json, Labelled, Numbers, Text, WholeNumbers, stored
 
 if TYPE_CHECKING:
@@ -267,6 +268,27 @@ class PeakRidge(Labelled):
         known = np.flatnonzero(top.ridge >= 0)
         best = int(known[np.argmin(top.amplitude[known])])
         return _optimum(top, best, bool(known[0] < best < known[-1]))
+
+    def tables(self, name: str) -> Iterator[Table]:
+        """See :class:`stickslip.results.part.ResultPart`."""
+        columns = (
+            column_of(self.parameter_name, self.parameter_unit, self.parameter),
+            column_of(f"amplitude of {self.output_name}", "m", self.amplitude),
+            column_of("frequency", "Hz", self.frequency_hz),
+            column_of("ridge", "", self.ridge + 1),
+            column_of("corner", "", self.is_corner),
+            column_of("pairs stuck", "", self.pairs_stuck),
+            column_of("pairs stick-slip", "", self.pairs_stick_slip),
+            column_of("pairs separating", "", self.pairs_separating),
+        )
+        yield Table(name, f"peaks against {self.parameter_name}, 0-to-peak", columns)
+
+    def closing_words(self, name: str) -> Iterator[str]:
+        """See :class:`stickslip.results.part.ResultPart`."""
+        title = "Ridge of peaks" if name == "peak_ridge" else name.replace("_", " ").capitalize()
+        yield f"{title}: {self.message} {self.n_points} peaks."
+        yield from (f"  {sentence}" for sentence in self.words())
+        yield from (f"Warning: {sentence}" for sentence in self.warnings)
 
     def plot(self) -> Figure:
         """Peak amplitude and frequency against the parameter, as a figure of matplotlib, on logarithmic axes.

@@ -29,6 +29,19 @@ class Peak:
     bracketed: bool
 
 
+def caution(bracketed: bool, complete: bool) -> str:
+    """Words beside a peak that may not be the highest one, "" beside others.
+
+    bracketed:
+        as in :class:`Peak`.
+    complete:
+        whether the curve covers the whole range.
+    """
+    if not bracketed:
+        return "highest computed, at an end of the curve"
+    return "" if complete else "highest of the computed part of the curve"
+
+
 def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike, part: ArrayLike | None = None) -> list[Peak]:
     """Local maxima along the curve, highest first, and its highest point if that is an end of a part, not bracketed.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +12,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
 from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.other_solutions import OtherSolutions
+from stickslip.results.part import ResultPart
 from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.periodic_motions import CURVE, PeriodicMotions
@@ -98,6 +99,12 @@ class ResponseData(PeriodicMotions):
     performance_curve: PeakRidge | None = field(default=None, metadata=stored(InGroup.of(PeakRidge, optional=True)))
     gradients: PeakGradients | None = field(default=None, metadata=stored(InGroup.of(PeakGradients, optional=True)))
     wear: Wear | None = field(default=None, metadata=stored(InGroup.of(Wear, optional=True)))
+
+    @property
+    def parts(self) -> dict[str, ResultPart]:
+        """Name -> analysis beside the curve, those that the study has."""
+        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {name: value for name, value in values.items() if isinstance(value, ResultPart)}
 
     def __post_init__(self) -> None:
         sizes = self._checked_sizes()

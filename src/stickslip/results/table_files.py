@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import require_folder, whole_file
-from stickslip.results.tables import Cell, Column, Table
+from stickslip.results.table import Cell, Column, Table
 
 _WIDEST = 60  # letters of a column of a workbook
 _MATLAB_NAME = 63  # letters of the longest name in MATLAB

@@ -2,55 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from stickslip.contact.law.law import ContactState
-from stickslip.core.errors import InputError
 from stickslip.results.measures import SUMMARY_COLUMNS, energy_imbalance, equivalent_damping, state_counts, summary
-from stickslip.results.nonlinear_mode import NonlinearMode
-from stickslip.results.peak_gradients import PeakGradients
-from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import MODE_COLUMNS, StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.results.wear import Wear
-
-Cell = float | int | str | None
-
-
-@dataclass(frozen=True)
-class Column:
-    """Values of one quantity; ``unit`` is "" for words and counts. None and NaN are empty cells."""
-
-    name: str
-    unit: str
-    values: Sequence[Cell]
-
-    @property
-    def is_text(self) -> bool:
-        """Whether some value is a word."""
-        return any(isinstance(value, str) for value in self.values)
-
-
-@dataclass(frozen=True)
-class Table:
-    """Columns of equal length under a name of lower-case letters and underscores, and its meaning in words."""
-
-    name: str
-    meaning: str
-    columns: tuple[Column, ...]
-
-    def __post_init__(self) -> None:
-        if len({len(column.values) for column in self.columns}) != 1:
-            raise InputError(f'the columns of the table "{self.name}" must have one length.')
-
-    @property
-    def rows(self) -> Iterator[tuple[Cell, ...]]:
-        """Cells, row by row."""
-        return zip(*(column.values for column in self.columns), strict=True)
+from stickslip.results.table import Table, column_of
 
 
 def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, ...]:
@@ -66,10 +27,7 @@ def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, .
         _natural_frequencies(response),
         _modes(study),
         *_side_curves(response, study),
-        *_nonlinear_mode(response.nonlinear_mode),
-        *_gradients(response.gradients),
-        *_ridges({"peak_ridge": response.peak_ridge, "performance_curve": response.performance_curve}),
-        *_wear(response.wear),
+        *(table for name, part in response.parts.items() for table in part.tables(name)),
         *_stress(study),
         _tuples("derived", "derived quantities", ("quantity", "value", "unit", "meaning"), study.derived),
         _tuples("inputs", "the study file", ("key", "value"), list(study.input_values().items())),
@@ -221,82 +179,6 @@ def _side_curves(response: ForcedResponse, study: StudyRecord) -> Iterator[Table
         yield Table(name, f"{name.replace('_', ' ')} beside the curve", columns)
 
 
-def _nonlinear_mode(mode: NonlinearMode | None) -> Iterator[Table]:
-    if mode is None:
-        return
-    columns = (
-        column_of("modal amplitude", "m kg^0.5", mode.modal_amplitude),
-        column_of("frequency", "Hz", mode.frequency_hz),
-        column_of("damping ratio", "1", mode.damping_ratio),
-        column_of("dissipated energy", "J", mode.dissipated_energy.sum(axis=1)),
-    )
-    yield Table("nonlinear_mode", f"nonlinear mode {mode.mode}", columns)
-
-
-def _gradients(gradients: PeakGradients | None) -> Iterator[Table]:
-    """Derivatives of the peak, each over the unit of its parameter."""
-    if gradients is None:
-        return
-    columns = (
-        column_of("parameter", "", gradients.names),
-        column_of("value", "", gradients.value),
-        column_of("unit", "", gradients.units),
-        column_of("amplitude by it", "m", gradients.by_amplitude),
-        column_of("error of the amplitude", "m", gradients.error_amplitude),
-        column_of("frequency by it", "Hz", gradients.by_frequency_hz),
-        column_of("error of the frequency", "Hz", gradients.error_frequency_hz),
-        column_of("friction energy by it", "J", gradients.by_friction_energy),
-        column_of("error of the friction energy", "J", gradients.error_friction_energy),
-    )
-    yield Table("gradients", "derivatives of the peak by each parameter, for one unit of it", columns)
-
-
-def _ridges(ridges: Mapping[str, PeakRidge | None]) -> Iterator[Table]:
-    """Peaks against a parameter."""
-    for name, ridge in ridges.items():
-        if ridge is None:
-            continue
-        columns = (
-            column_of(ridge.parameter_name, ridge.parameter_unit, ridge.parameter),
-            column_of(f"amplitude of {ridge.output_name}", "m", ridge.amplitude),
-            column_of("frequency", "Hz", ridge.frequency_hz),
-            column_of("ridge", "", ridge.ridge + 1),
-            column_of("corner", "", ridge.is_corner),
-            column_of("pairs stuck", "", ridge.pairs_stuck),
-            column_of("pairs stick-slip", "", ridge.pairs_stick_slip),
-            column_of("pairs separating", "", ridge.pairs_separating),
-        )
-        yield Table(name, f"peaks against {ridge.parameter_name}, 0-to-peak", columns)
-
-
-def _wear(wear: Wear | None) -> Iterator[Table]:
-    """States of the wear, and the pairs at its end."""
-    if wear is None:
-        return
-    columns = (
-        column_of("cycles", "", wear.cycles),
-        column_of("amplitude", "m", wear.amplitude),
-        column_of("frequency", "Hz", wear.frequency_hz),
-        column_of("largest depth", "m", wear.depth.max(axis=1)),
-        column_of("mean depth", "m", wear.mean_depth),
-        column_of("volume", "m3", wear.volume),
-        column_of("volume from energy", "m3", wear.energy_volume),
-        column_of("friction energy per cycle", "J", wear.friction_energy.sum(axis=1)),
-        column_of("open pairs", "", wear.open_pairs),
-    )
-    yield Table("wear", "states of the wear against cycles; amplitude 0-to-peak", columns)
-    pairs = (
-        column_of("pair", "", np.arange(1, wear.area.size + 1)),
-        column_of("depth", "m", wear.depth[-1]),
-        column_of("normal load before", "N", wear.normal_load[0]),
-        column_of("normal load after", "N", wear.normal_load[-1]),
-        column_of("normal stiffness before", "N/m", wear.normal_stiffness[0]),
-        column_of("normal stiffness after", "N/m", wear.normal_stiffness[-1]),
-        column_of("area", "m2", wear.area),
-    )
-    yield Table("worn_pairs", "pairs at the end of the wear", pairs)
-
-
 def _stress(study: StudyRecord) -> Iterator[Table]:
     if study.stress is None:
         return
@@ -328,17 +210,3 @@ def _tuples(name: str, meaning: str, columns: Sequence[str], rows: Sequence[Sequ
     """A table of rows whose cells have no units, or whose units are in a column."""
     made = (column_of(column, "", [row[at] for row in rows]) for at, column in enumerate(columns))
     return Table(name, meaning, tuple(made))
-
-
-def column_of(name: str, unit: str, values: Any) -> Column:
-    """A column of plain numbers and words; a number that is not finite is an empty cell."""
-    return Column(name, unit, tuple(_cell(value) for value in values))
-
-
-def _cell(value: Any) -> Cell:
-    plain = value.item() if isinstance(value, np.generic) else value
-    if isinstance(plain, bool):
-        return int(plain)
-    if isinstance(plain, float):
-        return plain if np.isfinite(plain) else None
-    return plain if plain is None or isinstance(plain, int | str) else str(plain)

@@ -14,6 +14,7 @@ from scipy.interpolate import PchipInterpolator
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, require_positive
 from stickslip.results.groups import read_groups, write_groups
+from stickslip.results.table import Table, column_of
 from stickslip.results.variables import Attribute, Json, Labelled, Numbers, Text, stored
 from stickslip.results.wear_figure import wear_figure
 
@@ -139,6 +140,37 @@ class Wear(Labelled):
         before, after = int(self.open_pairs[0]), int(self.open_pairs[-1])
         if after or before:
             yield f"Pairs without load at rest: {before} of {self.area.size} before, {after} after."
+
+    def tables(self, name: str) -> Iterator[Table]:
+        """See :class:`stickslip.results.part.ResultPart`: the states, and the pairs at the end."""
+        columns = (
+            column_of("cycles", "", self.cycles),
+            column_of("amplitude", "m", self.amplitude),
+            column_of("frequency", "Hz", self.frequency_hz),
+            column_of("largest depth", "m", self.depth.max(axis=1)),
+            column_of("mean depth", "m", self.mean_depth),
+            column_of("volume", "m3", self.volume),
+            column_of("volume from energy", "m3", self.energy_volume),
+            column_of("friction energy per cycle", "J", self.friction_energy.sum(axis=1)),
+            column_of("open pairs", "", self.open_pairs),
+        )
+        yield Table(name, "states of the wear against cycles; amplitude 0-to-peak", columns)
+        pairs = (
+            column_of("pair", "", np.arange(1, self.area.size + 1)),
+            column_of("depth", "m", self.depth[-1]),
+            column_of("normal load before", "N", self.normal_load[0]),
+            column_of("normal load after", "N", self.normal_load[-1]),
+            column_of("normal stiffness before", "N/m", self.normal_stiffness[0]),
+            column_of("normal stiffness after", "N/m", self.normal_stiffness[-1]),
+            column_of("area", "m2", self.area),
+        )
+        yield Table("worn_pairs", "pairs at the end of the wear", pairs)
+
+    def closing_words(self, name: str) -> Iterator[str]:
+        """See :class:`stickslip.results.part.ResultPart`: what the wear removes and changes."""
+        yield f"Wear: {self.message} {self.n_states} states."
+        yield from (f"  {sentence}" for sentence in self.words())
+        yield from (f"Warning: {sentence}" for sentence in self.warnings)
 
     def plot(self) -> Figure:
         """Amplitude, frequency, and largest and mean depth over the cycles, as a figure of matplotlib."""

@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.core.completeness import reported
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import ProgressCallback
-from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray, finite_array, positive_number, real_number
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
@@ -53,6 +53,7 @@ def controlled_response(
     continuation: ContinuationSettings | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
+    raise_on_failure: bool | None = False,
 ) -> ForcedResponse:
     """Follow the periodic response along the frequency with a prescribed first harmonic of an output.
 
@@ -62,7 +63,8 @@ def controlled_response(
 
     Parameters
     ----------
-    superelement, pairs, frequency_hz, harmonics, samples, modal_damping_ratio, update, newton, continuation, threads:
+    superelement, pairs, frequency_hz, harmonics, samples, modal_damping_ratio, update, newton, continuation, threads,
+    progress, raise_on_failure:
         as in :func:`forced_response`.
     excitation:
         the excitation at a load factor of 1.
@@ -96,7 +98,7 @@ def controlled_response(
     newton = newton or NewtonSettings()
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
-    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
+    with solver_threads(3 * pairs.n_pairs, threads):
         balances = prepare_balances(
             superelement, pairs, excitation, max(start_omega, stop_omega), harmonics, samples, modal_damping_ratio,
             update, report.stage,
@@ -112,7 +114,7 @@ def controlled_response(
         response = response_of(branch, balances, balance, window, newton, how, report, no_stability=NO_STABILITY)
     settings = {**response.settings, f"held_{control}": target if control == "amplitude" else -math.degrees(target)}
     provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
-    return replace(response, settings=settings, provenance=provenance)
+    return reported(replace(response, settings=settings, provenance=provenance), raise_on_failure)
 
 
 def _checked_target(amplitude: float | None, phase_deg: float | None) -> tuple[Control, float]:

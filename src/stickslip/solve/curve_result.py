@@ -24,7 +24,7 @@ from stickslip.solve.harmonic.neglected import CurveAccuracy, more_harmonics
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.retreats import Crossing
 from stickslip.solve.path.stepping import Accepted, BranchPoint, Corner, Retreat
-from stickslip.solve.setting_up import Balances, StageReport
+from stickslip.solve.setting_up import Balances, CurveBalances, StageReport
 from stickslip.solve.stability.curve import CurveStability, curve_stability, reason_without
 
 # Reported fraction of the work at the end of the window: energies, checks and linear limits follow.
@@ -32,6 +32,10 @@ LARGEST_FRACTION = 0.99
 # A point with a larger fraction of unbalanced forces is not a result. This is half of the limit of the sampling check
 # (checks.LARGEST_SAMPLE_RESIDUAL), so that the error of the arithmetic is below that of the discretisation.
 LARGEST_UNBALANCE = 1e-3
+NO_STABILITY_OF_SECTORS = (
+    "The stability of the points is not known: a small disturbance of a disk may have any nodal diameter, but the "
+    "equations of a sector contain only those of the excitation."
+)
 # chosen: a warning lists up to this number of places.
 FEW_PLACES = 4
 # chosen: a warning reports a larger distance from 1 of the multiplier at a fold.
@@ -70,7 +74,7 @@ def follower(window: tuple[float, float], report: StageReport) -> Callable[[Acce
 
 def response_of(
     branch: Followed,
-    balances: Balances,
+    balances: CurveBalances,
     balance: Balance,
     window: tuple[float, float],
     newton: NewtonSettings,
@@ -92,19 +96,19 @@ def response_of(
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
     """
-    superelement, stuck, harmonics = balances.superelement, balances.stuck, balance.harmonics
+    harmonics = balance.harmonics
     report.stage("energies and checks of the curve")
     trials = [point.point.trial for point in branch.points]
 
     def balance_of(number: int) -> Balance:
         return balance if number == harmonics else balances.with_harmonics(number)
 
-    measures = measure_curve(trials, cache(balance_of), superelement, stuck)
+    measures = measure_curve(trials, cache(balance_of), balances.equation)
     converged, message = branch.complete, branch.message
     wrong = np.flatnonzero(~(measures.residual <= LARGEST_UNBALANCE))
     if wrong.size:
         end = int(wrong[0])
-        message = _unbalanced(trials, end, float(measures.residual[end]), damped=bool(stuck.damping.any()))
+        message = _unbalanced(trials, end, float(measures.residual[end]), damped=balances.is_damped)
         if not end:
             raise ConvergenceError(message)
         converged, trials, measures = False, trials[:end], measures.first(end)
@@ -117,7 +121,7 @@ def response_of(
     verdict, stability_message = _stability(trials, breaks, balance, balances, reason)
     report.stage("linear limits")
     linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window)
-    damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
+    damped, free_ratio = balances.is_damped, balances.free.damping_ratio(window)
     notes = curve_warnings(check, balance, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
     motion, walk = balances.motion(trials, measures.displacement)
     retreats_hz, corners_hz = ([omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners))
@@ -135,9 +139,9 @@ def response_of(
         + _stability_warnings(verdict),
         harmonics=harmonics,
         samples=balance.samples,
-        pairs=balances.pairs,
+        pairs=balances.shown_pairs,
         linear=linear,
-        force=_mean_force(trials, balance).T,
+        force=balances.shown(_mean_force(trials, balance)).T,
         settings=_settings(window, balances, balance, newton, check, accuracy)
         | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()}),
         point_harmonics=None if accuracy is None else accuracy.harmonics[: len(trials)],
@@ -173,11 +177,13 @@ def fields_of(
 
 
 def _stability(
-    trials: list[Trial], breaks: Sequence[int], balance: Balance, balances: Balances, reason: str
+    trials: list[Trial], breaks: Sequence[int], balance: Balance, balances: CurveBalances, reason: str
 ) -> tuple[CurveStability | None, str]:
     """The stability of the points and a sentence; None for a ``reason`` against it."""
     if reason:
         return None, reason
+    if not isinstance(balances, Balances):
+        return None, NO_STABILITY_OF_SECTORS
     ends = [0, *(each + 1 for each in breaks), len(trials)]
     parts = [curve_stability(trials[i:j], balance.pairs, balances.stuck) for i, j in itertools.pairwise(ends)]
     stability = CurveStability.joined(parts)
@@ -247,7 +253,7 @@ def _mean_force(trials: list[Trial], balance: Balance) -> FloatArray:
 
 def _settings(
     window: tuple[float, float],
-    balances: Balances,
+    balances: CurveBalances,
     balance: Balance,
     newton: NewtonSettings,
     check: ResolutionCheck,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from stickslip.solve.harmonic.start import amplitude_ramp, at_frequency
 from stickslip.solve.harmonic.unbounded import sliding_shapes
 from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.newton import Newton
-from stickslip.solve.setting_up import Balances
+from stickslip.solve.setting_up import Balances, CurveBalances
 from stickslip.solve.transient.integrate import (
     TransientResponse,
     check_integration,
@@ -36,6 +36,9 @@ BESIDE = 1e-4
 # chosen: a settled motion is also looked for with so many times the harmonics, if the equations have no more rows than
 # this; a solution farther from it than this fraction is another motion.
 MORE_HARMONICS, MOST_ROWS, SAME = (1, 2, 4, 8), 12_000, 0.05
+# Iterations of Newton's method that take as long as a period of a time integration: 1.3 in dampers of the torture set,
+# 12 in a small stiff problem.
+PERIOD_WORK = 2.0
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,8 @@ class Evidence:
     tried, given_by:
         largest number of harmonics with which a settled motion was looked for, None without a search; the number that
         gives it, None if none does.
+    motion:
+        the settled motion with this number of harmonics.
     """
 
     frequency_hz: float
@@ -62,9 +67,10 @@ class Evidence:
     repeats_after: int | None
     tried: int | None = None
     given_by: int | None = None
+    motion: BalancePoint | None = field(default=None, repr=False, compare=False)
 
-    def words(self) -> str:
-        """One sentence."""
+    def words(self, varies: bool = False) -> str:
+        """One or two sentences; ``varies`` if the curve already chooses its harmonics by an accuracy."""
         start = "rest" if self.difference is None else "the last point"
         begin = f"A time integration from {start}, at {self.frequency_hz:.3f} Hz,"
         if self.repeats_after == 1:
@@ -74,6 +80,8 @@ class Evidence:
                 return f"{settles}: more harmonics and samples may find it."
             if self.given_by is None:
                 return f"{settles}. No number of harmonics up to {self.tried} gives it: more do not help here."
+            if varies:
+                return f"{settles}. {self.given_by} harmonics give it."
             return (
                 f"{settles}. {self.given_by} harmonics give it: run again with harmonics = {self.given_by}, or with an "
                 "accuracy."
@@ -87,23 +95,26 @@ class Evidence:
 
 
 class Settling:
-    """Solutions at a frequency by several ways; ``newton`` solves ``curve``."""
+    """Solutions at a frequency by several ways, until the limit of the ``work`` on the curve; ``newton`` solves it."""
 
     def __init__(
         self,
         newton: Newton[BalancePoint],
         curve: FrequencyCurve,
-        balances: Balances,
+        balances: CurveBalances,
         report: Callable[[str], None],
     ) -> None:
         self._newton, self._curve, self._balances, self._report = newton, curve, balances, report
-        self._in_time, self._harmonics = MotionInTime(balances), curve.balance.harmonics
+        self._harmonics = curve.balance.harmonics
+        # The equations of a sector contain no other motion than waves, so only a structure has a motion in time.
+        self._in_time = MotionInTime(balances) if isinstance(balances, Balances) else None
+        self.work = curve.work
 
     def solution(self, near: Sequence[BalancePoint], omega: float, ramp: bool) -> tuple[BalancePoint, str] | None:
         """A solution at a frequency, and how it was found.
 
         From points ``near``, from the linear stuck response, from a time integration that starts at the first point or
-        at rest, and by an amplitude ramp if wanted.
+        at rest, and by an amplitude ramp if wanted. None also at the limit of the work.
         """
         rows = 2 * self._harmonics + 1
         guesses = [(with_rows(point.unknowns, rows), "from the last point") for point in near]
@@ -112,13 +123,15 @@ class Settling:
             if point is not None:
                 return point, how
         for start in (*near[:1], None):
+            if self.work.limit_words:
+                return None
             motion = self._integrated(start, omega, SEARCH_PERIODS)
-            if motion is None:
+            if motion is None or self._in_time is None:
                 continue
             point = self._solved(self._in_time.unknowns(motion, self._harmonics), omega)
             if point is not None:
                 return point, "by a time integration"
-        if ramp:
+        if ramp and not self.work.limit_words:
             point, _ = amplitude_ramp(self._newton, self._curve, omega)
             if point is not None:
                 return point, "by an amplitude ramp"
@@ -139,7 +152,7 @@ class Settling:
 
     def _evidence(self, point: BalancePoint | None, omega: float) -> Evidence | None:
         motion = self._integrated(point, omega, PERIODS)
-        if motion is None:
+        if motion is None or self._in_time is None:
             return None
         difference = None
         if point is not None:
@@ -148,12 +161,15 @@ class Settling:
             difference = float(np.linalg.norm(found - known) / np.linalg.norm(known))
         change = float(motion.period_change[-1])
         repeats = 1 if motion.converged else self._repeats_after(motion)
-        tried, given_by = self._harmonics_of(motion, omega) if repeats == 1 else (None, None)
-        return Evidence(omega / (2.0 * np.pi), motion.period_change.size, change, difference, repeats, tried, given_by)
+        tried, given = self._with_harmonics(motion, omega) if repeats == 1 else (None, None)
+        given_by = None if given is None else len(given.measured) // 2
+        periods = motion.period_change.size
+        return Evidence(omega / (2.0 * np.pi), periods, change, difference, repeats, tried, given_by, given)
 
-    def _harmonics_of(self, motion: TransientResponse, omega: float) -> tuple[int | None, int | None]:
-        """Most harmonics with which a settled motion was looked for, and the fewest of them that give it."""
+    def _with_harmonics(self, motion: TransientResponse, omega: float) -> tuple[int | None, BalancePoint | None]:
+        """Most harmonics with which a settled motion was looked for, and the solution with the fewest that give it."""
         balances, tried = self._balances, None
+        assert self._in_time is not None  # it gave the motion
         for multiple in MORE_HARMONICS:
             harmonics = multiple * self._harmonics
             rows = 3 * balances.pairs.n_pairs * (2 * harmonics + 1)
@@ -165,19 +181,21 @@ class Settling:
             point = at_frequency(newton, curve, guess, omega).point
             away = float(np.linalg.norm(point.unknowns[1:] - guess[1:]))
             if point.error <= newton.settings.tolerance and away <= SAME * float(np.linalg.norm(guess[1:])):
-                return tried, harmonics
+                return tried, point
         return tried, None
 
     def _repeats_after(self, motion: TransientResponse) -> int | None:
         """See :func:`repeats_after`; the place of a body that may walk does not count."""
         balances, starts, period = self._balances, motion.period_starts, motion.displacement
-        if balances.pairs.walking().any():
+        if balances.pairs.walking().any() and isinstance(balances, Balances):
             shapes = sliding_shapes(balances.free, balances.pairs)
             starts, period = (each - each @ balances.superelement.mass @ shapes @ shapes.T for each in (starts, period))
         return repeats_after(starts, float(np.linalg.norm(period - period.mean(axis=0), axis=1).max()))
 
     def _integrated(self, start: BalancePoint | None, omega: float, periods: int) -> TransientResponse | None:
         """The motion at a frequency after some periods, from a point of a curve or from rest."""
+        if self._in_time is None:
+            return None
         try:
             check_integration(self._in_time.structure, self._balances.pairs)
         except InputError:
@@ -185,7 +203,9 @@ class Settling:
         self._report(f"time integration at {omega / (2.0 * np.pi):.3f} Hz")
         state = {} if start is None else self._state(start.trial)
         steps = max(STEPS, STEPS_PER_HARMONIC * self._harmonics)
-        return self._in_time.after(state, omega, steps, periods, 1e-2 * SETTLED)
+        motion = self._in_time.after(state, omega, steps, periods, 1e-2 * SETTLED)
+        self.work.integrate(PERIOD_WORK * (periods if motion is None else motion.period_change.size))
+        return motion
 
     def _state(self, trial: Trial) -> dict[str, FloatArray]:
         """Time 0 of a solution."""

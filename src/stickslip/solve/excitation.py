@@ -15,9 +15,17 @@ from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import with_rows
-from stickslip.core.validation import FloatArray, argument_error, finite_array, positive_number, require_choice
+from stickslip.core.validation import (
+    FloatArray,
+    argument_error,
+    finite_array,
+    positive_number,
+    require_choice,
+    whole_number,
+)
 
 BaseMotion = Literal["acceleration", "displacement"]
+Direction = Literal["forward", "backward"]
 
 
 class Unknowns(Protocol):
@@ -81,14 +89,83 @@ class ExcitationForce:
         return ExcitationForce(tuple((power, with_rows(array, 2 * harmonics + 1)) for power, array in self.terms))
 
 
+@dataclass(frozen=True)
+class TravellingWave:
+    """How an excitation travels round a disk of N sectors.
+
+    ``engine_order`` k is the number of waves of its first harmonic round the disk: sector s (s sectors ahead of the
+    first one) has the force ``p(t - s T k / N)`` if it travels forward, to the next sectors, ``p(t + s T k / N)``
+    backward, with the period T.
+    """
+
+    engine_order: int
+    direction: Direction = "forward"
+
+    def waves(self, harmonic: int) -> int:
+        """Signed number of waves d of a harmonic: its complex amplitudes have the lag ``e^{2 pi i d / N}`` from sector
+        to sector."""
+        return (-1 if self.direction == "forward" else 1) * harmonic * self.engine_order
+
+    def lag(self, harmonic: int, sectors: int, ahead: int = 1) -> complex:
+        """``e^{2 pi i d ahead / N}``: complex amplitude of the sector so many sectors ahead, over that of this one."""
+        return lag_of(self.waves(harmonic) * ahead, sectors)
+
+    def shifted(self, coefficients: FloatArray, sectors: int, ahead: int) -> FloatArray:
+        """Fourier coefficients (..., 2H+1) of the sector so many sectors ahead, in its own axes, from those of this
+        one: mean, cos 1, sin 1, ..."""
+        answer = coefficients.copy()
+        for order in range(1, coefficients.shape[-1] // 2 + 1):
+            lag = self.lag(order, sectors, ahead)
+            cosine, sine = coefficients[..., 2 * order - 1], coefficients[..., 2 * order]
+            answer[..., 2 * order - 1] = lag.real * cosine + lag.imag * sine
+            answer[..., 2 * order] = lag.real * sine - lag.imag * cosine
+        return answer
+
+
+def lag_of(waves: int, sectors: int) -> complex:
+    """``e^{2 pi i waves / N}``; exactly 1 or -1 where that is its value."""
+    rest = waves % sectors
+    if rest == 0:
+        return 1.0
+    return -1.0 if 2 * rest == sectors else complex(np.exp(2j * np.pi * rest / sectors))
+
+
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """A harmonic excitation, from :meth:`force`, :meth:`base_motion` or :meth:`unbalance`; excitations can be added.
+    """A harmonic excitation, from :meth:`force`, :meth:`travelling_wave`, :meth:`base_motion` or :meth:`unbalance`.
+
+    Excitations can be added.
 
     ``Excitation.force(cos) + Excitation.unbalance(y, z, 1e-5)`` is the sum of both. Phases refer to the same ``t = 0``.
     """
 
     parts: tuple[_Part, ...]
+    wave: TravellingWave | None = None
+
+    @classmethod
+    def travelling_wave(
+        cls, engine_order: int, cos: ArrayLike, sin: ArrayLike | None = None, direction: Direction = "forward"
+    ) -> Excitation:
+        """A force of an engine order, which travels round a disk, on a :class:`stickslip.CyclicSector`.
+
+        Parameters
+        ----------
+        engine_order:
+            number k of waves round the disk, such as the number of vanes in front; 0 excites all sectors alike.
+        cos, sin:
+            N, the force on the first sector as in :meth:`force`, (n,) or (n, n_harmonics). Rows of ``2n`` unknowns
+            contain the next sector, as those of :meth:`stickslip.CyclicSector.selector` do.
+        direction:
+            "forward": the force reaches the next sector (rotated by +2 pi / N about the axis) k / N of a period after
+            this one; "backward": before it. Vanes that stand before a disk which rotates in the positive sense give a
+            backward wave.
+
+        Raises InputError for an engine order that is no whole number from 0, another direction, and as :meth:`force`.
+        """
+        whole_number("engine_order", engine_order, 0)
+        require_choice("direction", direction, get_args(Direction))
+        part = replace(cls.force(cos, sin).parts[0], words=f"{direction} wave of engine order {engine_order}")
+        return cls((part,), TravellingWave(engine_order, direction))
 
     @classmethod
     def force(cls, cos: ArrayLike, sin: ArrayLike | None = None) -> Excitation:
@@ -153,7 +230,13 @@ class Excitation:
         return cls((_Part(2, size * rows[0], size * rows[1], False, f"unbalance of {size:g} kg m"),))
 
     def __add__(self, other: Excitation) -> Excitation:
-        return Excitation(self.parts + other.parts)
+        if self.wave != other.wave:
+            raise InputError(
+                f"{self.describe()} and {other.describe()} do not travel alike round a disk, so their sum does not "
+                "repeat from sector to sector. Add waves of one engine order and direction, or give the full ring.",
+                arguments=["excitation"],
+            )
+        return Excitation(self.parts + other.parts, self.wave)
 
     @property
     def harmonics(self) -> int:
@@ -172,7 +255,16 @@ class Excitation:
 
         Raises InputError for another number of unknowns, more harmonics than ``harmonics``, or no force at all.
         """
-        size = superelement.size
+        if self.wave is not None:
+            raise InputError(
+                "an excitation that travels round a disk requires a CyclicSector; for a structure use "
+                "Excitation.force.",
+                arguments=["excitation"],
+            )
+        return ExcitationForce(self.terms_on(superelement, superelement.size, harmonics))
+
+    def terms_on(self, superelement: Unknowns, size: int, harmonics: int) -> tuple[tuple[int, FloatArray], ...]:
+        """The terms of an :class:`ExcitationForce` on ``size`` unknowns. Raises InputError, see :meth:`on`."""
         terms: dict[int, FloatArray] = {}
         for part in self.parts:
             target = terms.setdefault(part.power, np.zeros((2 * harmonics + 1, size)))
@@ -196,7 +288,7 @@ class Excitation:
                 "force_cos and force_sin are zero everywhere; without a force there is no forced response.",
                 arguments=["force_cos", "force_sin"],
             )
-        return ExcitationForce(tuple(sorted(terms.items(), key=lambda term: term[0])))
+        return tuple(sorted(terms.items(), key=lambda term: term[0]))
 
 
 def _base_part(name: str, vector: ArrayLike, amplitude: float, kind: BaseMotion, inertial: bool) -> _Part:

@@ -22,7 +22,7 @@ import numpy as np
 import scipy.optimize
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.friction_law import FrictionLaw
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint
@@ -54,7 +54,7 @@ MOST_LOST, BELOW_LOST = 5, 0.9
 def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> ContactPairs:
     """The pairs with a traction at rest (n_pairs, 2) N, retained by those with Coulomb friction."""
     laws = [
-        replace(law, residual_traction=traction[members]) if isinstance(law, CoulombLaw) else law
+        law.with_traction(traction[members]) if isinstance(law, FrictionLaw) else law
         for law, members in zip(pairs.laws, pairs.members, strict=True)
     ]
     return ContactPairs.with_laws(pairs.operator, laws, pairs.members)
@@ -209,8 +209,17 @@ def lowest(
     return min(((there, max(values(there))) for there in choices), key=lambda choice: choice[1])
 
 
-def local_extreme(peaks: PeakOverTractions, start: TractionPeak, select: Selection, limit: FloatArray) -> TractionPeak:
-    """The peak that no small change of the tractions raises (or lowers) further, from a start."""
+def local_extreme(
+    peaks: PeakOverTractions,
+    start: TractionPeak,
+    select: Selection,
+    limit: FloatArray,
+    is_used_up: Callable[[], bool] = lambda: False,
+) -> TractionPeak:
+    """The peak that no small change of the tractions raises (or lowers) further, from a start.
+
+    It is the best one so far if ``is_used_up`` says that no more work is allowed.
+    """
     best = start
     largest = max(float(np.hypot(*(limit[:, None] * each.derivative).T).max()) for each in best.extremes)
     if largest == 0.0:
@@ -219,6 +228,8 @@ def local_extreme(peaks: PeakOverTractions, start: TractionPeak, select: Selecti
     length = full
     reached, lost, longest = [best.amplitude], 0, math.inf
     for _ in range(MOST_STEPS):
+        if is_used_up():
+            break
         promised = select(best.extremes, best.traction, limit, math.inf)[1]
         if abs(promised - best.amplitude) <= WORTHWHILE * best.amplitude:
             break

@@ -8,41 +8,46 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.core.completeness import reported
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.resolution import COARSEST_ACCURACY, FINEST_ACCURACY, LEAST_SAMPLES, SAMPLES_PER_HARMONIC
-from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import real_number, require_allowed, whole_number
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
+from stickslip.solve.cyclic.balances import SectorBalances, sector_balances
 from stickslip.solve.evidence import Settling
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT, FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
-from stickslip.solve.harmonic.neglected import CurveAccuracy
-from stickslip.solve.harmonic.resonances import Resonances
+from stickslip.solve.harmonic.neglected import CurveAccuracy, more_harmonics
 from stickslip.solve.harmonic.start import first_point
-from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy, VaryingPoint
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.path.work import Work
 from stickslip.solve.pieces import Pieces
-from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
+from stickslip.solve.setting_up import Balances, StageReport, checked_window, prepare_balances
 from stickslip.solve.traction_band import DEFAULT_STARTS, TractionBandSearch, checked_band_output
+from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.superelement import Superelement
 
 # The number of harmonics if neither it nor an accuracy is given.
 DEFAULT_HARMONICS = 5
+NO_CHECKS = "No multipliers were computed, because checks are omitted."
+# chosen: allowed work on a curve, in iterations of Newton's method, for each allowed point of a branch. Complete curves
+# with rigid free dampers, the hardest class of the torture set, take 600 in the median and up to 13,000.
+WORK_PER_POINT = 8
 
 
 def forced_response(
-    superelement: Superelement,
+    superelement: Superelement | CyclicSector,
     pairs: ContactPairs,
     excitation: Excitation | ArrayLike | None = None,
     force_sin: ArrayLike | None = None,
@@ -58,8 +63,10 @@ def forced_response(
     continuation: ContinuationSettings | None = None,
     traction_band: ArrayLike | None = None,
     traction_starts: int = DEFAULT_STARTS,
+    checks: bool = True,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
+    raise_on_failure: bool | None = False,
 ) -> ForcedResponse:
     """Follow the periodic response to a harmonic excitation along the frequency.
 
@@ -70,9 +77,12 @@ def forced_response(
     Parameters
     ----------
     superelement:
-        (n, n) matrices in SI units, without contact stiffness.
+        (n, n) matrices in SI units, without contact stiffness. Or a :class:`CyclicSector` for a whole disk of equal
+        sectors under :meth:`Excitation.travelling_wave` (docs/theory_cyclic.md): the unknowns of the response are then
+        those of this sector and of the next one, 2n in all, and energies are those of one sector.
     pairs:
-        the joint, with ``operator`` of shape (3 * n_pairs, n).
+        the joint, with ``operator`` of shape (3 * n_pairs, n); on a sector (3 * n_pairs, 2n) if pairs have a side in
+        the next one.
     excitation, force_sin, force_cos:
         an :class:`Excitation`; or, in its place or by name as ``force_cos``, the force
         ``p(t) = sum_k cos[:, k-1] cos(k w t) + sin[:, k-1] sin(k w t)`` as arrays in N, (n,) for the first harmonic or
@@ -98,16 +108,23 @@ def forced_response(
         tractions of its pairs (``response.traction_band``), several times as long as the curve itself takes.
     traction_starts:
         random tractions from which the band is optimised, beside zero and the extreme ones to first order.
+    checks:
+        False omits the Floquet multipliers and the search for peaks that the curve missed: for curves that only show
+        the effect of an input beside one with these checks.
     threads:
-        threads of the linear algebra, used where the joint is large enough; None takes the environment variable
-        STICKSLIP_THREADS, or else the usable cores, at most 4.
+        threads that share pairs and points, and those of the linear algebra of a large joint; None takes the
+        environment variable STICKSLIP_THREADS, or else the usable cores, at most 4.
     progress:
         called with the finished fraction of the window and a message.
+    raise_on_failure:
+        true: ConvergenceError for a curve that ends early; false: NotConvergedWarning. None: neither, for programs that
+        read ``converged`` themselves.
 
     Returns
     -------
     ForcedResponse
-        with Floquet multipliers of every point and whether it is ``stable``, if all laws have ``linear_steps``. Also if
+        with Floquet multipliers of every point and whether it is ``stable``, if all laws have ``linear_steps`` and
+        ``checks`` are not omitted. Also if
         the curve ends early: ``converged`` is then False and ``message`` gives the frequency and the reason; all its
         points are converged.
 
@@ -115,31 +132,46 @@ def forced_response(
     ------
     InputError
         for inputs that cannot be used, and for a resonance in the range that neither damping nor friction bounds.
-        ConvergenceError if there is no first point.
+        ConvergenceError if there is no first point, and for
+        a curve that ends early with ``raise_on_failure``.
     """
     began = time.perf_counter()
     window = checked_window(frequency_hz)
     threads = thread_count(threads)
     excitation = as_excitation(excitation, force_sin, force_cos)
     whole_number("traction_starts", traction_starts, 0)
+    if traction_band is not None and isinstance(superelement, CyclicSector):
+        raise InputError(
+            "traction_band is not computed for a cyclic sector: omit it, or give the full ring.",
+            arguments=["traction_band"],
+        )
     band_output = None if traction_band is None else checked_band_output(pairs, traction_band, superelement.size)
     newton = newton or NewtonSettings()
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
     least = least_harmonics(harmonics, accuracy, samples, excitation)
-    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
-        balances = prepare_balances(
-            superelement, pairs, excitation, max(start_omega, stop_omega), least, samples, modal_damping_ratio,
-            update, report.stage,
-        )  # fmt: skip
-        unbounded = unbounded_motions(balances.free, balances.closed, pairs, balances.force, window)
-        curve = FrequencyCurve(balances.with_harmonics(least))
+    with solver_threads(3 * pairs.n_pairs, threads):
+        highest = max(start_omega, stop_omega)
+        balances: Balances | SectorBalances
+        if isinstance(superelement, CyclicSector):
+            most = samples if accuracy is not None else more_harmonics(least, 2 * samples)
+            balances = sector_balances(
+                superelement, pairs, excitation, highest, least, most, samples, modal_damping_ratio, update,
+                report.stage,
+            )  # fmt: skip
+        else:
+            balances = prepare_balances(
+                superelement, pairs, excitation, highest, least, samples, modal_damping_ratio, update, report.stage
+            )
+        unbounded = balances.unbounded(window)
+        work = Work(2 * least + 1, WORK_PER_POINT * settings.max_points)
+        curve = FrequencyCurve(balances.with_harmonics(least), work=work)
         solver = Newton(curve, newton, report.iteration)
-        resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
+        resonances = balances.landmarks()
 
         def walk(point: BalancePoint) -> Branch[BalancePoint]:
-            return Branch(solver, point, start_omega, settings, landmarks=resonances)
+            return Branch(solver, point, start_omega, settings, landmarks=resonances, work=work)
 
         report.stage("first point")
         start: BalancePoint | None = None
@@ -155,10 +187,13 @@ def forced_response(
             balance: Balance,
             reached: CurveAccuracy | None = None,
         ) -> ForcedResponse:
-            report.stage("search for missed peaks")
-            peaks = search_missed_peaks(solver, [each.point for each in curve.points], resonances.seen)
+            peaks = None
+            if checks:
+                report.stage("search for missed peaks")
+                peaks = search_missed_peaks(solver, [each.point for each in curve.points], resonances.seen)
             return response_of(
                 curve, balances, balance, window, newton, how, report, peaks=peaks, accuracy=reached,
+                no_stability="" if checks else NO_CHECKS,
                 breaks=curve.breaks, warnings=curve.warnings,
             )  # fmt: skip
 
@@ -167,7 +202,7 @@ def forced_response(
         if accuracy is None:
 
             def fixed(point: BalancePoint, stop: float) -> Branch[BalancePoint]:
-                branch = Branch(solver, point, stop, settings, listen, resonances)
+                branch = Branch(solver, point, stop, settings, listen, resonances, work=work)
                 branch.follow()
                 return branch
 
@@ -176,24 +211,32 @@ def forced_response(
             response = finished(pieces, solver, curve.balance)
         else:
             varying = HarmonicsByAccuracy(
-                balances.with_harmonics, accuracy, least, samples, newton, report.iteration, balances.damped_harmonics
+                balances.with_harmonics,
+                accuracy,
+                least,
+                samples,
+                newton,
+                report.iteration,
+                balances.damped_harmonics,
+                work,
             )
 
             def by_accuracy(point: BalancePoint, stop: float) -> Branch[VaryingPoint]:
                 return varying.follow(point, stop, settings, listen, resonances)
 
-            accurate = Pieces(by_accuracy, window_omega, settling).follow(start, how)
+            accurate = Pieces(by_accuracy, window_omega, settling, varies=True).follow(start, how)
             points = accurate_points = [each.point for each in accurate.points]
             response = finished(accurate, varying.newton, varying.widest, varying.reached(accurate_points))
-        if band_output is not None:
+        if band_output is not None and isinstance(balances, Balances):
             search = TractionBandSearch(
                 balances, response.harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings,
                 report, traction_starts,
             )  # fmt: skip
             response = replace(response, traction_band=search.band(points))
             response = replace(response, warnings=(*response.warnings, *search.warnings))
-    seconds = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
-    return replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | seconds)
+    cost = {"solve_seconds": f"{time.perf_counter() - began:.2f}", "solve_work": f"{work.total:.0f} iterations"}
+    response = replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | cost)
+    return reported(response, raise_on_failure)
 
 
 def least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:

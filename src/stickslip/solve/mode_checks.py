@@ -53,18 +53,24 @@ class HarmonicsChange:
 
 
 def largest_change(
-    points: Sequence[ModePoint], fine: ModeCurve, settings: NewtonSettings, count: int, allowed: float
+    points: Sequence[ModePoint],
+    fine: ModeCurve,
+    settings: NewtonSettings,
+    count: int,
+    allowed: float,
+    stops_above: bool = False,
 ) -> HarmonicsChange:
     """The largest change by the harmonics of ``fine``, measured by an ``allowed`` change of the damping ratio.
 
     Points are solved again at their amplitude: those of the largest damping ratio and of the largest amplitude, the one
-    between both along the branch, and ``count`` along the whole branch. Raises ConvergenceError.
+    between both along the branch, and ``count`` along the whole branch. With ``stops_above`` the first change above the
+    allowed one is the result, which saves most of the time where it is not reached. Raises ConvergenceError.
     """
     ratio = [point.trial.growth / point.trial.omega for point in points]
     ends = int(np.argmax(ratio)), int(np.argmax([point.modal_amplitude for point in points]))
     along = np.linspace(0, len(points) - 1, count).round().astype(int).tolist()
     changes = [HarmonicsChange(0.0, 0.0, "")]
-    for index in sorted({*ends, sum(ends) // 2, *along}):
+    for index in dict.fromkeys((*ends, sum(ends) // 2, *along)):
         point = points[index]
         if not point.trial.contact.moves.any():
             continue
@@ -76,6 +82,8 @@ def largest_change(
         frequency = abs(again.omega / point.trial.omega - 1.0)
         damping = abs(again.growth / again.omega - ratio[index]) / max(abs(ratio[index]), 1e-300)
         changes.append(HarmonicsChange(frequency, damping, name))
+        if stops_above and changes[-1].over(allowed) > 1.0:
+            return changes[-1]
     return max(changes, key=lambda change: change.over(allowed))
 
 

@@ -8,15 +8,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.contact.law.law import ContactState
+from stickslip.core.completeness import reported
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.resolution import SAMPLES_PER_HARMONIC
-from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray
 from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode
 from stickslip.solve.curve_result import LARGEST_FRACTION, LARGEST_UNBALANCE, fields_of
@@ -75,6 +75,7 @@ def nonlinear_mode(
     continuation: ContinuationSettings | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
+    raise_on_failure: bool | None = False,
 ) -> NonlinearMode:
     """Follow a nonlinear mode over its modal amplitude: frequency, damping ratio, shape, contact states and energies.
 
@@ -84,7 +85,8 @@ def nonlinear_mode(
 
     Parameters
     ----------
-    superelement, pairs, samples, modal_damping_ratio, update, newton, continuation, threads, progress:
+    superelement, pairs, samples, modal_damping_ratio, update, newton, continuation, threads, progress,
+    raise_on_failure:
         as in :func:`forced_response`; steps of the continuation are fractions of the range of the logarithm of the
         amplitude, and of the shape.
     mode:
@@ -120,7 +122,7 @@ def nonlinear_mode(
     report = StageReport(progress)
     with_load = Excitation.force(np.ones(superelement.size))  # any of one harmonic
     least = least_harmonics(harmonics, accuracy, samples, with_load)
-    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
+    with solver_threads(3 * pairs.n_pairs, threads):
         report.stage("linear modes")
         start = LinearMode.of(superelement, pairs, mode, limit)
         require_allowed_amplitude(pairs, start, highest)
@@ -149,7 +151,8 @@ def nonlinear_mode(
         "amplitude_stop": ends[1],
         "newton_tolerance": newton.tolerance,
     }
-    return replace(result, settings={**result.settings, **options}, provenance=provenance)
+    result = replace(result, settings={**result.settings, **options}, provenance=provenance)
+    return reported(result, raise_on_failure)
 
 
 @dataclass(frozen=True)
@@ -206,7 +209,12 @@ def _by_accuracy(
         report.stage(f"check of {count} harmonics")
         try:
             change: HarmonicsChange | str = largest_change(
-                mode_branch.points, mode_branch.with_harmonics(balances, 2 * count), newton, CHECKED_POINTS, accuracy
+                mode_branch.points,
+                mode_branch.with_harmonics(balances, 2 * count),
+                newton,
+                CHECKED_POINTS,
+                accuracy,
+                stops_above=count != ladder[-1],
             )
         except ConvergenceError as error:
             change = str(error)
@@ -293,7 +301,7 @@ def _result(
     balance = curve.balance
     # The load of the balance stands for the inertia of the mode; it is no excitation.
     trials = [replace(point.trial, load=0.0) for point in points]
-    measures = measure_curve(trials, lambda harmonics: balance, superelement, stuck)
+    measures = measure_curve(trials, lambda harmonics: balance, balances.equation)
     wrong = np.flatnonzero(~(measures.residual <= LARGEST_UNBALANCE))
     complete, message = branch.complete, branch.message
     if wrong.size:

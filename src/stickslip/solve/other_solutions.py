@@ -9,13 +9,12 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
-from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
-from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray, whole_number
 from stickslip.results.other_solutions import OtherSolutions
 from stickslip.results.response import ForcedResponse
@@ -115,7 +114,7 @@ def search_other_solutions(
             arguments=["response"],
         )
     report, count = StageReport(progress), thread_count(threads)
-    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, count)):
+    with solver_threads(3 * pairs.n_pairs, count):
         balances = prepare_balances(
             superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), response.harmonics,
             response.samples, modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,

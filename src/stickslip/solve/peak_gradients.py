@@ -8,13 +8,12 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
-from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import ProgressCallback
-from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray, finite_array, whole_number
 from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.peaks import Peak, peaks
@@ -235,7 +234,7 @@ def peak_gradients(
     report, cores = StageReport(progress), thread_count(threads)
     base = SolverInput(superelement, pairs, force, row, modal_damping_ratio)
     chosen = parameters_of(base) if parameters is None else tuple(parameters)
-    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, cores)):
+    with solver_threads(3 * pairs.n_pairs, cores):
         balances = prepare_balances(
             superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), response.harmonics, count,
             modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,
@@ -261,7 +260,8 @@ def _error_of_step(before: FloatArray, after: FloatArray) -> FloatArray:
 
 def _require_own(superelement: Superelement, pairs: ContactPairs, response: ForcedResponse, output: FloatArray) -> None:
     """Raise InputError for a response of another model, one with a control, or an output of another length."""
-    if response.n_unknowns != superelement.size or response.pairs.n_pairs != pairs.n_pairs:
+    # A sector of a disk has a size, but no mass matrix: it raises its own error.
+    if response.n_unknowns != len(superelement.mass) or response.pairs.n_pairs != pairs.n_pairs:
         raise InputError(
             f"the response has {response.n_unknowns} unknowns and {response.pairs.n_pairs} pairs, but superelement and "
             f"pairs have {superelement.size} and {pairs.n_pairs}: give those with which it was computed.",

@@ -13,7 +13,7 @@ from typing import Generic
 import numpy as np
 
 from stickslip.core.errors import ConvergenceError
-from stickslip.solve.evidence import Settling
+from stickslip.solve.evidence import Evidence, Settling
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.retreats import Crossing, crossing_of
@@ -43,7 +43,10 @@ class Pieces(Generic[BalancePointT]):
     window:
         (start, stop) in rad/s.
     settling:
-        finds solutions away from the curve.
+        finds solutions away from the curve, and counts the work, at whose limit the curve ends.
+    varies:
+        whether ``part`` may begin with any number of harmonics: the curve then goes on once from a motion to which a
+        time integration settled and that more harmonics give.
 
     Attributes
     ----------
@@ -60,8 +63,10 @@ class Pieces(Generic[BalancePointT]):
         part: Callable[[BalancePoint, float], Branch[BalancePointT]],
         window: tuple[float, float],
         settling: Settling,
+        varies: bool = False,
     ) -> None:
         self._part, self._settling, self._window = part, settling, window
+        self._varies = self._takes_settled = varies
         self._direction = math.copysign(1.0, window[1] - window[0])
         self._width = abs(window[1] - window[0])
         self._left_out = 0.0
@@ -83,19 +88,22 @@ class Pieces(Generic[BalancePointT]):
         if start is not None:
             return self._follow(self._append(self._part(start, self._window[1])))
         evidence = self._settling.evidence_from_rest(self._window[0])
-        words = f"{reason} {evidence.words()}" if evidence else reason
-        at_start = self._settling.solution((), self._window[0], ramp=False)
+        words = self._sentences(reason, evidence)
+        settled = self._settled(evidence, self._window[0])
+        at_start = settled or self._settling.solution((), self._window[0], ramp=False)
         if at_start is not None:
+            if settled:
+                self.warnings.append(f"{_capital(words)} The curve begins from this motion.")
             return self._follow(self._append(self._part(at_start[0], self._window[1])))
         # A motion that exists, but that these harmonics or digits do not give, is no reason to begin elsewhere.
         exists = evidence is not None and evidence.repeats_after == 1
         found = None if exists else self._beyond(self._window[0], ())
         if found is None:
-            raise ConvergenceError(words)
+            raise ConvergenceError(self._with_limit(words))
         point, how = found
         back = self._part(point, self._window[0])
         gap = self._gap(self._window[0], back)
-        words = words[:1].upper() + words[1:]
+        words = _capital(words)
         self.warnings.append(f"{words} The curve begins at {_hz(gap[1])} Hz, from a motion that was found {how}.")
         self._append(back, reverse=True)
         return self._follow(self._append(self._part(point, self._window[1])))
@@ -114,7 +122,7 @@ class Pieces(Generic[BalancePointT]):
             branch = onward
         if not branch.complete:
             evidence = self._settling.evidence(self.points[-1].point, self._direction * self._width)
-            self.message = f"{branch.message} {evidence.words()}" if evidence else branch.message
+            self.message = self._sentences(branch.message, evidence)
         self.complete = branch.complete and self._left_out <= LARGEST_GAP * self._width
         if branch.complete and not self.complete:
             self.message = (
@@ -129,15 +137,15 @@ class Pieces(Generic[BalancePointT]):
         furthest, last = int(np.argmax(ahead)), self.points[-1].point
         edge = self.points[furthest].point
         evidence = self._settling.evidence(last, self._direction * self._width)
-        why = f"{branch.message} {evidence.words()}" if evidence else branch.message
-        found = self._beyond(edge.trial.omega, (last, edge))
+        why = self._sentences(branch.message, evidence)
+        found = self._settled(evidence, edge.trial.omega) or self._beyond(edge.trial.omega, (last, edge))
         if found is None:
-            self.message = why
+            self.message = self._with_limit(why)
             return None
         point, how = found
         onward, back = self._part(point, self._window[1]), self._part(point, edge.trial.omega)
         if back.complete and _are_same(back.points[-1].point, edge):
-            self.crossings.append(crossing_of([each.point for each in self.points[furthest:]], point))
+            self.crossings.append(crossing_of([each.point for each in self.points[furthest:]], onward.points[0].point))
             del self.points[furthest + 1 :]
             self._append(back, reverse=True, first=1)
             return self._append(onward)
@@ -164,6 +172,8 @@ class Pieces(Generic[BalancePointT]):
     def _beyond(self, edge: float, near: Sequence[BalancePoint]) -> tuple[BalancePoint, str] | None:
         """A solution beyond a frequency, and how it was found: at the nearest distance first."""
         for distance in DISTANCES:
+            if self._settling.work.limit_words:
+                return None
             omega = edge + self._direction * distance * self._width
             if (self._window[1] - omega) * self._direction < 0.0:
                 return None
@@ -171,6 +181,24 @@ class Pieces(Generic[BalancePointT]):
             if found is not None:
                 return found
         return None
+
+    def _settled(self, evidence: Evidence | None, edge: float) -> tuple[BalancePoint, str] | None:
+        """Once, if parts may have any number of harmonics: the motion not before a frequency to which a time
+        integration settled, with as many as it requires."""
+        motion = evidence.motion if evidence is not None and self._takes_settled else None
+        if evidence is None or motion is None or (motion.trial.omega - edge) * self._direction < 0.0:
+            return None
+        self._takes_settled = False
+        return motion, f"by a time integration, with {evidence.given_by} harmonics,"
+
+    def _sentences(self, reason: str, evidence: Evidence | None) -> str:
+        """Why a curve was lost, and what happens there."""
+        return f"{reason} {evidence.words(self._varies)}" if evidence else reason
+
+    def _with_limit(self, words: str) -> str:
+        """Sentences, and that on the limit of the work where they lack it."""
+        limit = self._settling.work.limit_words
+        return f"{words} {limit}" if limit and limit not in words else words
 
     def _append(self, branch: Branch[BalancePointT], reverse: bool = False, first: int = 0) -> Branch[BalancePointT]:
         """Add a branch; in reverse without its start, which the branch in the other direction has, and after the
@@ -181,6 +209,10 @@ class Pieces(Generic[BalancePointT]):
         self.crossings += branch.crossings
         self.message = branch.message
         return branch
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 def _are_same(first: BalancePoint, second: BalancePoint) -> bool:

@@ -20,12 +20,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.law import ContactState
+from stickslip.core.completeness import reported
 from stickslip.core.errors import ConvergenceError
-from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray, whole_number
 from stickslip.results.quasi_static_mode import QuasiStaticMode
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
@@ -54,6 +54,7 @@ def quasi_static_mode(
     points_per_decade: int = 40,
     modal_damping_ratio: float | None = None,
     threads: int | None = None,
+    raise_on_failure: bool | None = False,
 ) -> QuasiStaticMode:
     """Estimate frequency and damping ratio of a stuck mode against amplitude from a static load in its shape.
 
@@ -62,7 +63,7 @@ def quasi_static_mode(
 
     Parameters
     ----------
-    superelement, pairs, mode, amplitude, modal_damping_ratio, threads:
+    superelement, pairs, mode, amplitude, modal_damping_ratio, threads, raise_on_failure:
         as in :func:`nonlinear_mode` with the limit "stuck".
     points_per_decade:
         points for each factor of ten of the amplitude, also load steps.
@@ -80,7 +81,7 @@ def quasi_static_mode(
     began = time.perf_counter()
     lowest, highest = checked_amplitudes(amplitude)
     density = whole_number("points_per_decade", points_per_decade, 1)
-    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, thread_count(threads))):
+    with solver_threads(3 * pairs.n_pairs, thread_count(threads)):
         linear = LinearMode.of(superelement, pairs, mode, "stuck")
         stuck = stuck_structure(superelement, pairs, linear.omega, modal_damping_ratio)
         ramp = _ModeRamp.of(stuck, linear)
@@ -92,14 +93,16 @@ def quasi_static_mode(
         raise ConvergenceError(
             f"the solver found no static equilibrium at a modal amplitude of {lowest:.3g} m kg^0.5. Give a lower one."
         )
-    reached = len(levels) == before.size + wanted.size
+    complete = len(levels) == before.size + wanted.size
     message = "The estimate covers the range of amplitudes."
-    if not reached:
+    if not complete:
         message = (
             f"The solver found no static equilibrium above a modal amplitude of {levels[-1].amplitude:.3g} m kg^0.5 of "
             f"{highest:.3g}."
         )
-    return _result(ramp, levels, before.size, reached, message, modal_damping_ratio, time.perf_counter() - began)
+    seconds = time.perf_counter() - began
+    result = _result(ramp, levels, before.size, complete, message, modal_damping_ratio, seconds)
+    return reported(result, raise_on_failure)
 
 
 @dataclass(frozen=True)

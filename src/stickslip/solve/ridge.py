@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.core.completeness import reported
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
-from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import finite_array
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.solve.path.newton import NewtonSettings
@@ -37,6 +37,7 @@ def peak_ridge(
     newton: NewtonSettings | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
+    raise_on_failure: bool | None = False,
 ) -> PeakRidge:
     """Follow the peaks of an output directly while a parameter changes.
 
@@ -56,7 +57,7 @@ def peak_ridge(
         range in which peaks count.
     name, unit:
         of the parameter, for messages and figures.
-    harmonics, samples, modal_damping_ratio, update, newton, threads, progress:
+    harmonics, samples, modal_damping_ratio, update, newton, threads, progress, raise_on_failure:
         as in :func:`forced_response`.
 
     Returns
@@ -82,7 +83,7 @@ def peak_ridge(
             )
         return RidgeStage.of(problem, row, options, modal_damping_ratio, report, earlier)
 
-    return ridge_between(stage_at, bounds, report, threads, name, unit)
+    return reported(ridge_between(stage_at, bounds, report, threads, name, unit), raise_on_failure)
 
 
 def ridge_between(
@@ -98,7 +99,7 @@ def ridge_between(
     began = time.perf_counter()
     first = stage_at(bounds[0], None)
     n_pairs = first.balances.pairs.n_pairs
-    with threadpool_limits(limits=blas_threads(3 * n_pairs, thread_count(threads))):
+    with solver_threads(3 * n_pairs, thread_count(threads)):
         named = f"{name} = {{:.4g}} {unit}".rstrip().format
         ridges = RidgeMap(stage_at, bounds, report, named=named)
         for value in bounds:

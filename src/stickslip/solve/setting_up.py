@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import get_args
+from typing import Protocol, get_args
 
 import numpy as np
 
@@ -25,10 +25,15 @@ from stickslip.core.validation import (
 from stickslip.solve.excitation import Excitation, ExcitationForce
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
+from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.damping import DAMPED_RANGE
-from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
+from stickslip.solve.harmonic.linear import Limit, LinearLimit
+from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.support import only_friction_supports
+from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
+from stickslip.solve.path.landmarks import Landmark, LandmarkSource
 from stickslip.structure.superelement import Superelement
 
 # Largest ratio of contact stiffness to the stiffness of the structure at the pair. Numbers have 16 digits, and the
@@ -52,6 +57,52 @@ class StageReport:
     def iteration(self, number: int, error: float) -> None:
         """Iteration ``number`` of Newton begins at the relative residual ``error``."""
         self._progress(self._fraction, f"{self._stage}; iteration {number}, relative residual {error:.1e}")
+
+
+class Landmarks(LandmarkSource[BalancePoint], Protocol):
+    """Landmarks of a frequency curve, with a list of all of them."""
+
+    @property
+    def seen(self) -> Sequence[Landmark]:
+        """All landmarks so far."""
+
+
+class CurveBalances(Protocol):
+    """The balances of a frequency curve for any number of harmonics, with what its result says of the structure.
+
+    :class:`Balances` are those of a structure, :class:`stickslip.solve.cyclic.balances.SectorBalances` those of a
+    sector of a disk.
+    """
+
+    @property
+    def pairs(self) -> ContactPairs: ...
+    @property
+    def excitation(self) -> Excitation: ...
+    @property
+    def force(self) -> ExcitationForce: ...
+    @property
+    def samples(self) -> int: ...
+    @property
+    def update(self) -> Update: ...
+    @property
+    def modal_damping_ratio(self) -> float | None: ...
+    @property
+    def damped_harmonics(self) -> int | None: ...
+    @property
+    def is_damped(self) -> bool: ...
+    @property
+    def closed(self) -> Limit: ...
+    @property
+    def free(self) -> Limit: ...
+    @property
+    def equation(self) -> EquationOfMotion: ...
+    @property
+    def shown_pairs(self) -> ContactPairs: ...
+    def shown(self, coefficients: FloatArray) -> FloatArray: ...
+    def motion(self, trials: Sequence[Trial], displacement: FloatArray) -> tuple[FloatArray, FloatArray | None]: ...
+    def landmarks(self) -> Landmarks: ...
+    def unbounded(self, window: tuple[float, float]) -> tuple[str, ...]: ...
+    def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance: ...
 
 
 @dataclass(frozen=True)
@@ -81,6 +132,33 @@ class Balances:
     def free(self) -> LinearLimit:
         """The structure without contact."""
         return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.damping)
+
+    @property
+    def is_damped(self) -> bool:
+        """Whether the structure has viscous damping."""
+        return bool(self.stuck.damping.any())
+
+    @property
+    def equation(self) -> EquationOfMotion:
+        """The terms of the equation of motion."""
+        return StructureEquation(self.superelement, self.stuck.damping, self.pairs.operator)
+
+    @property
+    def shown_pairs(self) -> ContactPairs:
+        """The pairs of results."""
+        return self.pairs
+
+    def shown(self, coefficients: FloatArray) -> FloatArray:
+        """Coefficients (..., 2H+1, n) of the unknowns of results: the same."""
+        return coefficients
+
+    def landmarks(self) -> Resonances:
+        """The natural frequencies that the force excites."""
+        return Resonances(self.closed, self.free, self.stuck, self.force)
+
+    def unbounded(self, window: tuple[float, float]) -> tuple[str, ...]:
+        """See :func:`unbounded_motions`."""
+        return unbounded_motions(self.free, self.closed, self.pairs, self.force, window)
 
     def motion(self, trials: Sequence[Trial], displacement: FloatArray) -> tuple[FloatArray, FloatArray | None]:
         """See :func:`without_walk`."""
@@ -119,34 +197,36 @@ def prepare_balances(
 
     Raises InputError.
     """
-    _check_counts(harmonics, samples)
-    require_choice("update", update, get_args(Update))
-    if modal_damping_ratio is not None:
-        ratio = real_number("modal_damping_ratio", modal_damping_ratio)
-        require_allowed("modal_damping_ratio", ratio, ratio >= 0, "0 or above, for example 0.001")
+    check_options(harmonics, samples, update, modal_damping_ratio)
     pairs = pairs.with_update(update)
     if only_friction_supports(superelement, pairs):
         # The stuck pairs of such a body carry its mean load: only they know where it is.
         pairs = pairs.retaining()
     force = excitation.on(superelement, harmonics)
-    _require_comparable(superelement, pairs, highest_omega)
+    operator = pairs.operator
+    elastic, inertial = (resistance(operator, matrix) for matrix in (superelement.stiffness, superelement.mass))
+    require_comparable(pairs, elastic + highest_omega**2 * inertial)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
     stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
 
 
-def _require_comparable(superelement: Superelement, pairs: ContactPairs, omega: float) -> None:
+def resistance(operator: FloatArray, matrix: FloatArray) -> FloatArray:
+    """(m,) ``|b A b|`` of the rows b of an operator."""
+    return np.asarray(np.abs(((operator @ matrix) * operator).sum(axis=1)))
+
+
+def require_comparable(pairs: ContactPairs, resisting: FloatArray) -> None:
     """Raise InputError for contact so much stiffer than the structure that its deformation is round-off.
 
     The stiffness of the structure at a pair is that with all other unknowns fixed, or that of its inertia at the
-    highest frequency: ``(b K b + w^2 b M b) / |b|^4`` for a row b of the operator.
+    highest frequency: ``(b K b + w^2 b M b) / |b|^4`` for a row b of the operator; ``resisting`` (m,) is ``b K b + w^2
+    b M b``.
     """
     operator, springs = pairs.operator, pairs.resting_stiffness()
     length = (operator**2).sum(axis=1)
-    elastic = np.abs(((operator @ superelement.stiffness) * operator).sum(axis=1))
-    inertial = omega**2 * np.abs(((operator @ superelement.mass) * operator).sum(axis=1))
-    allowed = STIFFEST_CONTACT * (elastic + inertial)
+    allowed = STIFFEST_CONTACT * resisting
     wrong = np.flatnonzero((springs * length**2 > allowed) & (allowed > 0.0))
     if wrong.size:
         worst = int(wrong[(springs[wrong] * length[wrong] ** 2 / allowed[wrong]).argmax()])
@@ -177,6 +257,15 @@ def checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:
             arguments=["frequency_hz"],
         )
     return start, stop
+
+
+def check_options(harmonics: int, samples: int, update: Update, modal_damping_ratio: float | None) -> None:
+    """Raise InputError for options of an analysis that cannot be used."""
+    _check_counts(harmonics, samples)
+    require_choice("update", update, get_args(Update))
+    if modal_damping_ratio is not None:
+        ratio = real_number("modal_damping_ratio", modal_damping_ratio)
+        require_allowed("modal_damping_ratio", ratio, ratio >= 0, "0 or above, for example 0.001")
 
 
 def _check_counts(harmonics: int, samples: int) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.friction_law import FrictionLaw
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.peaks import peaks
@@ -52,6 +52,9 @@ AS_GOOD = 0.95
 FURTHER = 1e-3
 # chosen: random tractions from which the optimisation begins, and their seed: the same model gives the same band.
 DEFAULT_STARTS, SEED = 2, 20_241_114
+# chosen: iterations of Newton's method in the band after which tractions are no longer optimised, for each point of
+# the curve (about 15 curves), and at least so many, which small models do in seconds.
+MOST_ITERATIONS, LEAST_WORK = 50, 5_000
 RAISED, LOWERED = "peak raised", "peak lowered"
 # Tractions are this fraction of the friction limit at most, so that round-off does not exceed it.
 WITHIN = 1.0 - 1e-9
@@ -76,10 +79,10 @@ def checked_band_output(pairs: ContactPairs, output: ArrayLike, n_unknowns: int)
 
 
 def friction_limit(pairs: ContactPairs) -> FloatArray:
-    """(n_pairs,) N, the largest residual traction of each pair; zero for other laws than Coulomb's."""
+    """(n_pairs,) N, the largest residual traction of each pair; zero for laws without Coulomb friction."""
     limit = np.zeros(pairs.n_pairs)
     for law, members in zip(pairs.laws, pairs.members, strict=True):
-        if isinstance(law, CoulombLaw):
+        if isinstance(law, FrictionLaw):
             limit[members] = law.largest_slip_force
     return limit
 
@@ -163,12 +166,23 @@ class TractionBandSearch:
         self._traced: list[_Traced] = []
         self._extremes_found: dict[str, FloatArray] = {}
         self.warnings: list[str] = []
+        self._iterations, self._most_iterations = 0, LEAST_WORK
+
+    def _iterate(self, number: int, error: float) -> None:
+        """Count an iteration of Newton's method, and report it."""
+        self._iterations += 1
+        self._report.iteration(number, error)
+
+    def _is_used_up(self) -> bool:
+        """Whether the tractions may not be optimised further."""
+        return self._iterations >= self._most_iterations
 
     def band(self, points: Sequence[BalancePoint]) -> TractionBand | None:
         """The band around the highest peak of a curve with these points; None without a single curve."""
         span = self._span(points)
         most = min(self._continuation.max_points, MOST_POINTS * (len(points) + 1))
         self._continuation = replace(self._continuation, max_points=most)
+        self._most_iterations = max(LEAST_WORK, MOST_ITERATIONS * (len(points) + 1))
         still = self._follow("no traction at rest", np.zeros((self._limit.size, 2)), span)
         if still is not None and still.complete:
             raised = self._move_peak(still, RAISED, span, highest)
@@ -216,7 +230,7 @@ class TractionBandSearch:
         self._report.stage(f"band of residual tractions: {name}")
         balances = replace(self._balances, pairs=with_residual_traction(self._balances.pairs, peak.traction))
         curve = FrequencyCurve(balances.with_harmonics(self._harmonics))
-        newton = Newton(curve, self._newton, self._report.iteration)
+        newton = Newton(curve, self._newton, self._iterate)
         start = peak.peak.probe.point
         sides = [Branch(newton, start, end, self._continuation, landmarks=self._landmarks) for end in span]
         below, above = ([each.point for each in side.follow()] for side in sides)
@@ -226,7 +240,7 @@ class TractionBandSearch:
     def _attempt(self, name: str, traction: FloatArray, span: tuple[float, float]) -> _Traced | None:
         balances = replace(self._balances, pairs=with_residual_traction(self._balances.pairs, traction))
         curve = FrequencyCurve(balances.with_harmonics(self._harmonics))
-        newton = Newton(curve, self._newton, self._report.iteration)
+        newton = Newton(curve, self._newton, self._iterate)
         try:
             start, _ = first_point(newton, curve, span[0], balances.with_harmonics)
         except ConvergenceError:
@@ -271,7 +285,7 @@ class TractionBandSearch:
         """Curves with the tractions whose peak no small change raises or lowers further, the best of several starts."""
         low, high = min(span), max(span)
         tops = PeakOverTractions(
-            self._balances, self._harmonics, self._output, (low, high), self._newton, self._report.iteration
+            self._balances, self._harmonics, self._output, (low, high), self._newton, self._iterate
         )
         still_peak = tops.near(still.traction, still.points[still.top])
         if still_peak is None:
@@ -286,12 +300,24 @@ class TractionBandSearch:
         for name, traced, select, best_of in sides:
             self._report.stage(f"band of residual tractions: {name}, optimised")
             own = tops.near(traced.traction, traced.points[traced.top]) if traced.traction.any() else None
-            found = [local_extreme(tops, start, select, self._limit) for start in (*starts, *([own] if own else []))]
+            found = [
+                local_extreme(tops, start, select, self._limit, self._is_used_up)
+                for start in (*starts, *([own] if own else []))
+            ]
             self._extremes_found[name] = np.array([each.amplitude for each in found])
             best = best_of(found, key=lambda each: each.amplitude)
             reached = best_of(each.highest_peak for each in self._traced if each.complete)
             if best_of(best.amplitude, reached) != reached and abs(best.amplitude - reached) > FURTHER * reached:
                 self._follow_from(f"{name}, optimised", best, (low, high))
+        self._work_warning()
+
+    def _work_warning(self) -> None:
+        if self._is_used_up():
+            self.warnings.append(
+                f"The tractions of the band were optimised until {self._iterations} iterations of Newton's method "
+                f"(limit: {self._most_iterations}), not to their end, so the band can be wider. Fewer traction_starts, "
+                "pairs or harmonics need less work."
+            )
 
     def _random_peaks(
         self, tops: PeakOverTractions, still: TractionPeak, effects: Sequence[Quantity]
@@ -306,6 +332,8 @@ class TractionBandSearch:
             angle = random.uniform(0.0, 2.0 * np.pi, self._limit.size)
             size = np.sqrt(random.uniform(0.0, 1.0, self._limit.size)) if number % 2 else 1.0
             traction = (limit * size)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+            if self._is_used_up():
+                return
             if (there := tops.moved(still, traction)) is not None:
                 yield there
 

@@ -20,14 +20,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import RK23
-from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.core.completeness import reported
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import ProgressCallback
-from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import (
     FloatArray,
     argument_error,
@@ -74,6 +74,7 @@ def wear(
     newton: NewtonSettings | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
+    raise_on_failure: bool | None = False,
 ) -> Wear:
     """Wear of the pairs over many cycles of vibration.
 
@@ -104,7 +105,7 @@ def wear(
     stiffness:
         function of normal forces (n_pairs,) N and worn depths (n_pairs,) m that gives the normal and the tangential
         stiffness (n_pairs,) in N/m, for example of a roughness that runs in; None keeps the springs.
-    harmonics, samples, modal_damping_ratio, update, newton, threads, progress:
+    harmonics, samples, modal_damping_ratio, update, newton, threads, progress, raise_on_failure:
         as in :func:`forced_response`.
 
     Returns
@@ -135,12 +136,12 @@ def wear(
     at, window = _operation(frequency_hz)
     options = RidgeOptions(window, harmonics, samples, update, newton or NewtonSettings())
     report = StageReport(progress)
-    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, thread_count(threads))):
+    with solver_threads(3 * pairs.n_pairs, thread_count(threads)):
         joint = WornJoint(superelement, pairs, stiffness)
         vibration = WornVibration(joint, excitation, row, options, at, modal_damping_ratio, report)
         history = _worn(vibration, alpha / areas, count, tolerance, report)
     states = history.states
-    return Wear(
+    result = Wear(
         cycles=np.array(history.cycles),
         depth=np.array(history.depth),
         normal_load=np.array([np.maximum(each.pairs.preload, 0.0) for each in states]),
@@ -164,6 +165,7 @@ def wear(
         },
         provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"},
     )
+    return reported(result, raise_on_failure)
 
 
 def require_wearing_pairs(pairs: ContactPairs) -> None:

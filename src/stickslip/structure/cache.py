@@ -95,7 +95,9 @@ def _digest(structure: Structure, *numbers: NDArray[Any]) -> str:
     for matrix in (structure.stiffness, structure.mass):
         for array in (matrix.indptr, matrix.indices, matrix.data):
             digest.update(np.ascontiguousarray(array).tobytes())
-    for numbers_of in (structure.free_unknowns, np.array([structure.mesh.n_nodes]), *numbers):
+    tie = structure.constraints
+    of_tie = () if tie is None else tuple(getattr(tie.transformation, name) for name in ("indptr", "indices", "data"))
+    for numbers_of in (structure.free_unknowns, np.array([structure.mesh.n_nodes]), *of_tie, *numbers):
         digest.update(
             f"{numbers_of.dtype.kind}{numbers_of.shape}".encode() + np.ascontiguousarray(numbers_of).tobytes()
         )

@@ -15,7 +15,7 @@ from stickslip.core.threads import in_threads
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
-from stickslip.structure.factor import Backend, factor_forecast, factorize
+from stickslip.structure.factor import Backend, Factor, factor_forecast, factorize
 from stickslip.structure.floating_parts import floating_message
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
@@ -82,25 +82,57 @@ def _reduced(
     progress: ProgressCallback | None,
 ) -> Superelement:
     """:func:`craig_bampton` with one thread for each product of the linear algebra."""
-    nodes = _boundary(boundary_nodes)
+    nodes = checked_boundary(boundary_nodes)
     boundary, interior = partition(structure, nodes)
+    report = progress or (lambda fraction, detail: None)
+    matrices = (structure.stiffness, structure.mass, getattr(structure, "damping", None))
+    reduced = reduced_matrices(matrices, structure.node, boundary, interior, n_modes, backend, threads, report)
+    recovery = Recovery(structure, nodes, reduced.modes, backend, threads, reduced.factor)
+    return Superelement(reduced.mass, reduced.stiffness, reduced.damping, boundary_nodes=nodes, recovery=recovery)
+
+
+@dataclass(frozen=True)
+class ReducedMatrices:
+    """Dense matrices (n, n) of a reduction, its fixed-interface modes (n_interior, n_modes), and the factor of
+    ``K_ii``."""
+
+    mass: Any
+    stiffness: Any
+    damping: Any
+    modes: Any
+    factor: Factor
+
+
+def reduced_matrices(
+    matrices: tuple[Any, Any, Any],
+    node: IntArray,
+    boundary: IntArray,
+    interior: IntArray,
+    n_modes: int,
+    backend: Backend,
+    threads: int,
+    report: ProgressCallback,
+) -> ReducedMatrices:
+    """The reduction of sparse Hermitian matrices: stiffness, mass and damping (or None), real or complex.
+
+    ``node`` is the node of each unknown, for messages. Raises InputError, see :func:`craig_bampton`.
+    """
+    stiffness, mass, damping = matrices
     if not 0 <= n_modes < len(interior):
         raise InputError(
             f"n_modes is {n_modes}; with {len(interior)} interior unknowns it must be between 0 and "
             f"{len(interior) - 1}.",
             ("n_modes",),
         )
-    stiffness, mass = structure.stiffness, structure.mass
     stiffness_ii, stiffness_ib = stiffness[interior][:, interior], stiffness[interior][:, boundary]
-    report = progress or (lambda fraction, detail: None)
     report(0.0, factor_forecast(len(interior), backend))
     try:
         factor = factorize(stiffness_ii, backend, threads)
     except SingularMatrixError as error:
-        raise InputError(floating_message(stiffness_ii, structure.node[interior])) from error
+        raise InputError(floating_message(stiffness_ii, node[interior])) from error
     size, n_boundary = len(boundary) + n_modes, len(boundary)
 
-    transformation = np.empty((len(interior), size))
+    transformation: Any = np.empty((len(interior), size), dtype=factor.dtype)
     squared = np.empty(0)
     report(0.2, f"{n_modes} fixed-interface modes")
     if n_modes:
@@ -114,53 +146,50 @@ def _reduced(
     factor.solve(-stiffness_ib, out=constraint, progress=lambda share: report(0.3 + 0.5 * share, solved))
     report(0.8, "reduced matrices")
 
-    reduced_stiffness = np.zeros((size, size))
+    reduced_stiffness: Any = np.zeros((size, size), dtype=factor.dtype)
     for start in range(0, n_boundary, BLOCK):  # the product of all columns at once would copy them
         columns = slice(start, min(start + BLOCK, n_boundary))
-        reduced_stiffness[:n_boundary, columns] = stiffness_ib.T @ constraint[:, columns]
+        reduced_stiffness[:n_boundary, columns] = stiffness_ib.conj().T @ constraint[:, columns]
     _add_sparse(reduced_stiffness, stiffness[boundary][:, boundary])
     reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
     reduced_mass = _projected(mass, boundary, interior, transformation, threads)
-    damping = getattr(structure, "damping", None)
     reduced_damping = None if damping is None else _projected(damping, boundary, interior, transformation, threads)
-    recovery = Recovery(structure, nodes, transformation[:, n_boundary:].copy(), backend, threads, factor)
-    return Superelement(reduced_mass, reduced_stiffness, reduced_damping, boundary_nodes=nodes, recovery=recovery)
+    modes = transformation[:, n_boundary:].copy()
+    return ReducedMatrices(reduced_mass, reduced_stiffness, reduced_damping, modes, factor)
 
 
-def _projected(
-    matrix: Any, boundary: IntArray, interior: IntArray, transformation: FloatArray, threads: int
-) -> FloatArray:
-    """``T^T A T`` of a sparse symmetric matrix, with ``T = [I 0; transformation]`` in boundary and interior rows."""
+def _projected(matrix: Any, boundary: IntArray, interior: IntArray, transformation: Any, threads: int) -> Any:
+    """``T^H A T`` of a sparse Hermitian matrix, with ``T = [I 0; transformation]`` in boundary and interior rows."""
     result = _congruence(matrix[interior][:, interior], transformation, threads)
-    coupling = matrix[interior][:, boundary].T @ transformation
+    coupling = matrix[interior][:, boundary].conj().T @ transformation
     result[: len(boundary)] += coupling
-    result[:, : len(boundary)] += coupling.T
+    result[:, : len(boundary)] += coupling.conj().T
     del coupling
     _add_sparse(result, matrix[boundary][:, boundary])
     return result
 
 
-def _add_sparse(dense: FloatArray, part: Any) -> None:
+def _add_sparse(dense: Any, part: Any) -> None:
     """Add a sparse matrix (k, k) to the first k rows and columns, without a dense copy of it."""
     entries = part.tocoo()
     dense[entries.row, entries.col] += entries.data
 
 
-def _congruence(matrix: Any, basis: FloatArray, threads: int) -> FloatArray:
-    """``basis^T matrix basis`` (k, k) of a sparse symmetric matrix, block by block and one triangle only."""
+def _congruence(matrix: Any, basis: Any, threads: int) -> Any:
+    """``basis^H matrix basis`` (k, k) of a sparse Hermitian matrix, block by block and one triangle only."""
     size = basis.shape[1]
-    answer = np.empty((size, size))
+    answer = np.empty((size, size), dtype=basis.dtype)
 
     def rows_from(start: int) -> None:
         stop = min(start + BLOCK, size)
-        answer[start:stop, start:] = (matrix @ basis[:, start:stop]).T @ basis[:, start:]
-        answer[stop:, start:stop] = answer[start:stop, stop:].T
+        answer[start:stop, start:] = (matrix @ basis[:, start:stop]).conj().T @ basis[:, start:]
+        answer[stop:, start:stop] = answer[start:stop, stop:].conj().T
 
     in_threads(rows_from, range(0, size, BLOCK), threads)
     return answer
 
 
-def _boundary(boundary_nodes: ArrayLike) -> IntArray:
+def checked_boundary(boundary_nodes: ArrayLike) -> IntArray:
     """Boundary nodes as integers after checking that they come once; raises InputError."""
     nodes = np.asarray(boundary_nodes).ravel()
     if not nodes.size or not np.issubdtype(nodes.dtype, np.integer):

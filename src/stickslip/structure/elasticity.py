@@ -20,6 +20,7 @@ from stickslip.core.validation import (
     require_allowed,
     require_choice,
 )
+from stickslip.structure.constraints import Constraints
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.incompatible_brick import incompatible_stiffness
 from stickslip.structure.lanczos import eigenpairs_near
@@ -84,7 +85,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Structure:
-    """Sparse matrices of ``M u'' + K u = p`` in the unknowns that are not fixed; contact is not in them.
+    """Sparse matrices of ``M u'' + K u = p`` in the independent unknowns; contact is not in them.
 
     Parameters
     ----------
@@ -101,6 +102,8 @@ class Structure:
         which may be omitted, and single directions of other nodes.
     materials:
         material of each body of the mesh, which only its stress requires; empty if unknown.
+    constraints:
+        the linear equations between displacements that are eliminated, fixed displacements included; None without any.
     """
 
     mesh: Mesh
@@ -110,6 +113,7 @@ class Structure:
     element: str
     fixed_unknowns: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     materials: tuple[Material, ...] = ()
+    constraints: Constraints | None = None
 
     def __post_init__(self) -> None:
         whole = (3 * np.asarray(self.fixed_nodes, dtype=np.int64)[:, None] + np.arange(3)).ravel()
@@ -123,6 +127,8 @@ class Structure:
     @property
     def free_unknowns(self) -> IntArray:
         """(n_free,) index of each unknown among the 3 * n_nodes displacements (node, then x, y, z)."""
+        if self.constraints is not None:
+            return self.constraints.free_unknowns
         free = np.ones(3 * self.mesh.n_nodes, dtype=bool)
         free[self.fixed_unknowns] = False
         return np.flatnonzero(free)
@@ -166,10 +172,33 @@ class Structure:
             )
         position = np.full(3 * self.mesh.n_nodes, -1, dtype=np.int64)
         position[self.free_unknowns] = np.arange(len(self.free_unknowns))
-        return np.asarray(position.reshape(-1, 3)[wanted])
+        chosen = np.asarray(position.reshape(-1, 3)[wanted])
+        follows = np.flatnonzero((chosen < 0).any(axis=-1))
+        if follows.size:
+            raise InputError(
+                f"node {wanted[follows[0]]} follows other nodes by a tie, a rigid body or an equation, so it does not "
+                f"have three unknowns ({follows.size} of {wanted.size} nodes follow); contact nodes must be "
+                "independent. Make the other side of the tie the dependent one, or remove such nodes.",
+                arguments=["nodes"],
+            )
+        return chosen
+
+    def gather(self, load: FloatArray) -> FloatArray:
+        """``T^T f``: forces (n_free, ...) on the unknowns from those (3 * n_nodes, ...) on the full mesh."""
+        if self.constraints is not None:
+            return np.asarray(self.constraints.transformation.T @ load)
+        return np.asarray(load[self.free_unknowns])
+
+    def of_unknowns(self, operator: Any) -> Any:
+        """``B T``: csr rows (m, n_free) on the unknowns from rows (m, 3 * n_nodes) on the full mesh."""
+        if self.constraints is not None:
+            return operator @ self.constraints.transformation
+        return operator[:, self.free_unknowns]
 
     def expand(self, vectors: FloatArray) -> FloatArray:
         """Displacements (3 * n_nodes, ...) of the full mesh, fixed ones zero, from free unknowns (n_free, ...)."""
+        if self.constraints is not None:
+            return np.asarray(self.constraints.transformation @ vectors)
         full = np.zeros((3 * self.mesh.n_nodes, *vectors.shape[1:]))
         full[self.free_unknowns] = vectors
         return full
@@ -217,6 +246,7 @@ def assemble_bodies(
     hexahedron: Hexahedron = "incompatible",
     fixed_nodes: ArrayLike = (),
     fixed_unknowns: ArrayLike = (),
+    constraints: Constraints | None = None,
 ) -> Structure:
     """Stiffness and consistent mass, as :func:`assemble`, of several kinds of cells and several materials.
 
@@ -232,6 +262,9 @@ def assemble_bodies(
         nodes to clamp.
     fixed_unknowns:
         indices among the 3 * n_nodes displacements (node, then x, y, z) that are constrained to zero.
+    constraints:
+        eliminated equations (:func:`stickslip.structure.constraints.eliminate`), which must contain the fixed
+        displacements: the matrices are ``T^T K T`` and ``T^T M T``.
 
     Raises
     ------
@@ -249,7 +282,7 @@ def assemble_bodies(
         (block.cells[block.body == body], materials[body]) for block in mesh.blocks for body in np.unique(block.body)
     ]
     kinds = ", ".join(dict.fromkeys(hexahedron if b.kind == "hexahedron" else b.kind for b in mesh.blocks))
-    structure = _assembled(mesh, groups, kinds, hexahedron == "incompatible", fixed_nodes, fixed_unknowns)
+    structure = _assembled(mesh, groups, kinds, hexahedron == "incompatible", fixed_nodes, fixed_unknowns, constraints)
     return replace(structure, materials=tuple(materials))
 
 
@@ -260,6 +293,7 @@ def _assembled(
     incompatible: bool,
     fixed_nodes: ArrayLike,
     fixed_unknowns: ArrayLike,
+    constraints: Constraints | None = None,
 ) -> Structure:
     """Matrices of groups of cells (m, k) of one kind and one material; ``incompatible`` concerns 8-node bricks."""
     nodes = _existing("fixed_nodes", fixed_nodes, mesh.n_nodes)
@@ -276,9 +310,24 @@ def _assembled(
             stiffness = stiffness + _scatter(cell_stiffness(corners, elastic), rows, 3 * mesh.n_nodes)
             mass = mass + _scatter(consistent_mass(corners, material.density), part, mesh.n_nodes)
     mass = scipy.sparse.kron(mass, scipy.sparse.eye(3), format="csr")
-    whole = Structure(mesh, stiffness, mass, nodes, element, unknowns)
+    whole = Structure(mesh, stiffness, mass, nodes, element, unknowns, constraints=constraints)
+    if constraints is not None:
+        _require_zero(whole, constraints)
+        tie = constraints.transformation
+        return replace(whole, stiffness=(tie.T @ stiffness @ tie).tocsr(), mass=(tie.T @ mass @ tie).tocsr())
     free = whole.free_unknowns
     return replace(whole, stiffness=stiffness[free][:, free], mass=mass[free][:, free])
+
+
+def _require_zero(structure: Structure, constraints: Constraints) -> None:
+    """Raise InputError for constraints of another mesh, or that leave a fixed displacement free."""
+    size = structure.full_size
+    if constraints.size != size or np.diff(constraints.transformation.indptr)[structure.fixed_unknowns].any():
+        raise argument_error(
+            "constraints",
+            f"constraints are those of {constraints.size} displacements, or leave fixed ones free; the mesh has "
+            f"{size}. Eliminate the equations of this mesh with the same fixed unknowns.",
+        )
 
 
 def _existing(name: str, value: ArrayLike, size: int) -> IntArray:
@@ -308,7 +357,7 @@ def natural_frequencies(
     shift is small and negative (1e-8 of the mean ratio of the diagonals), which also suits free structures: their
     rigid-body modes are at 0 Hz. ``factor`` is that of ``stiffness - shift * mass`` if it already exists. The largest
     component of each mode is positive, the first one of those that are equal within 1e-6: symmetric structures have
-    pairs of them with opposite signs.
+    pairs of them with opposite signs. Matrices may be complex and Hermitian; the modes are complex then.
 
     Raises
     ------
@@ -322,7 +371,7 @@ def natural_frequencies(
         raise InputError(
             f"count is {count}; with {size} unknowns it must be between 1 and {size - 1}.", arguments=["count"]
         )
-    scale = float(stiffness.diagonal().sum() / mass.diagonal().sum())
+    scale = float(stiffness.diagonal().real.sum() / mass.diagonal().real.sum())
     if scipy.sparse.issparse(stiffness):
         centre = -1e-8 * scale if shift is None else shift
         factor = factor or factorize(stiffness - centre * mass)
@@ -340,5 +389,5 @@ def natural_frequencies(
     size_of = np.abs(modes)
     first = (size_of >= (1.0 - _EQUAL) * size_of.max(axis=0)).argmax(axis=0)
     largest = modes[first, np.arange(count)]
-    modes = modes / (np.sign(largest) * np.sqrt(np.einsum("ij,ij->j", modes, mass @ modes)))
+    modes = modes / (np.sign(largest) * np.sqrt(np.einsum("ij,ij->j", modes.conj(), mass @ modes).real))
     return np.sqrt(np.maximum(eigenvalues, 0.0)) / (2.0 * np.pi), modes

@@ -1,4 +1,4 @@
-"""One place that factors sparse symmetric matrices, checks the factor, and solves for many right-hand sides."""
+"""One place that factors sparse Hermitian matrices, checks the factor, and solves for many right-hand sides."""
 
 from __future__ import annotations
 
@@ -40,6 +40,7 @@ class Factor:
     residual: float
     threads: int
     _solve: Callable[[FloatArray], FloatArray]
+    dtype: type = float  # of the matrix: float, or complex
 
     def solve(
         self,
@@ -53,13 +54,13 @@ class Factor:
         Columns are solved in blocks, ``threads`` blocks at a time; ``progress`` receives the finished fraction.
         """
         if not scipy.sparse.issparse(right_hand_sides):
-            dense = np.asarray(right_hand_sides, dtype=float)
+            dense: Any = np.asarray(right_hand_sides, dtype=self.dtype)
             if dense.ndim == 1:
                 return self._solve(dense)
             columns: Any = dense
         else:
             columns = right_hand_sides.tocsc()
-        solution = np.empty(columns.shape) if out is None else out
+        solution = np.empty(columns.shape, dtype=self.dtype) if out is None else out
         starts = range(0, columns.shape[1], block)
         done = itertools.count(1)
 
@@ -94,10 +95,10 @@ def factor_forecast(size: int, backend: Backend) -> str:
 
 
 def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Factor:
-    """Factor a sparse symmetric matrix (n, n) and check the factor on one exact solution.
+    """Factor a sparse symmetric, or complex Hermitian, matrix (n, n) and check the factor on one exact solution.
 
     ``superlu`` comes with scipy; ``pardiso`` (several times faster beyond about 50,000 unknowns) needs the extra
-    ``stickslip[pardiso]``.
+    ``stickslip[pardiso]``, and factors real matrices only: SuperLU factors complex ones in any case.
 
     Raises
     ------
@@ -111,7 +112,9 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.shape[0]:
         raise InputError(f"the matrix must be square and not empty, but its shape is {matrix.shape}.")
     require_choice("backend", backend, get_args(Backend))
-    solve = _superlu(matrix) if backend == "superlu" else _pardiso(matrix)
+    dtype = complex if np.iscomplexobj(matrix) else float
+    uses_superlu = backend == "superlu" or dtype is complex
+    solve = _superlu(matrix) if uses_superlu else _pardiso(matrix)
     residual, solution_error = _errors(matrix, solve)
     if not solution_error <= SOLUTION_ERROR_LIMIT:
         # The digits of a larger error are round-off.
@@ -126,7 +129,7 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
             f"{residual:.1e} (allowed: {RESIDUAL_LIMIT:.0e}). Scale the matrix, or try the other backend."
         )
     # PARDISO has its own threads; several threads may use a SuperLU factor at a time.
-    return Factor(matrix.shape[0], residual, threads if backend == "superlu" else 1, solve)
+    return Factor(matrix.shape[0], residual, threads if uses_superlu else 1, solve, dtype)
 
 
 def _superlu(matrix: Any) -> Callable[[FloatArray], FloatArray]:
@@ -163,7 +166,7 @@ def _pardiso(matrix: Any) -> Callable[[FloatArray], FloatArray]:
 def _errors(matrix: Any, solve: Callable[[FloatArray], FloatArray]) -> tuple[float, float]:
     """Backward error and error of the solution, both relative and in the maximum norm, for a known, reproducible x."""
     # Entries near 1 give x a component along every rigid-body translation, which a singular stiffness loses.
-    exact = np.random.default_rng(0).uniform(0.5, 1.5, matrix.shape[0])
+    exact = np.random.default_rng(0).uniform(0.5, 1.5, matrix.shape[0]).astype(matrix.dtype)
     right_hand_side = matrix @ exact
     solution = solve(right_hand_side)
     largest_row = float(abs(matrix).sum(axis=1).max())

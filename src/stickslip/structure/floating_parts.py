@@ -29,7 +29,7 @@ _SHIFT = 1e-6
 
 def parts_of(matrix: Any) -> IntArray:
     """(n,) number of the connected part of each unknown; unknowns with a common entry belong to one part."""
-    graph = scipy.sparse.csr_matrix(matrix)
+    graph = abs(scipy.sparse.csr_matrix(matrix))  # entries may be complex
     return np.asarray(scipy.sparse.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
 
 

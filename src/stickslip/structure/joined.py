@@ -120,7 +120,7 @@ def joined_modes(
         modes = tie @ modes
     else:
         if isinstance(model, Structure):
-            operator = pairs.mesh_operator(model.mesh.n_nodes)[:, model.free_unknowns]
+            operator = model.of_unknowns(pairs.mesh_operator(model.mesh.n_nodes))
         else:
             operator = pairs.operator(model)
         if np.shape(springs) != (operator.shape[0],):

@@ -23,12 +23,13 @@ def eigenpairs_near(
 ) -> tuple[FloatArray, FloatArray]:
     """The ``count`` solutions of ``A v = x M v`` nearest to ``shift``: values (count,) and vectors (n, count).
 
-    ``factor`` is that of ``A - shift * M``; ``mass`` None is the identity. The start is the same in every call. Raises
-    ConvergenceError where the iteration does not end after ``MOST_RESTARTS`` restarts.
+    The matrices are symmetric, or complex and Hermitian. ``factor`` is that of ``A - shift * M``; ``mass`` None is the
+    identity. The start is the same in every call. Raises ConvergenceError where the iteration does not end after
+    ``MOST_RESTARTS`` restarts.
     """
     size = matrix.shape[0]
-    inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=factor.solve, dtype=float)
-    start = np.random.default_rng(0).standard_normal(size)
+    inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=factor.solve, dtype=factor.dtype)
+    start = np.random.default_rng(0).standard_normal(size).astype(factor.dtype)
     try:
         # one thread and one start, so that modes, which are cached on disk, are the same in every run
         with threadpool_limits(limits=1):

@@ -46,6 +46,9 @@ class FullModel(Protocol):
     def expand(self, vectors: FloatArray) -> FloatArray:
         """Displacements (full_size, ...) from free unknowns (n_free, ...)."""
 
+    def gather(self, load: FloatArray) -> FloatArray:
+        """Forces (n_free, ...) on the unknowns from those (full_size, ...) on all displacements."""
+
 
 def partition(structure: FullModel, boundary_nodes: IntArray) -> tuple[IntArray, IntArray]:
     """Free unknowns of the boundary nodes, in their order, and all others."""
@@ -128,17 +131,17 @@ class Recovery:
         Source: mode-acceleration method, R. R. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics, 2nd ed.
         (2006).
         """
-        plain = self @ reduced
-        free, inner = self._structure.free_unknowns, self._interior
+        plain = self._free(reduced)
+        inner = self._interior
         harmonic = (np.arange(reduced.shape[1]) + 1) // 2
-        right = (load[free] + (self._structure.mass @ plain[free]) * (harmonic * omega) ** 2)[inner]
+        right = (self._structure.gather(load) + (self._structure.mass @ plain) * (harmonic * omega) ** 2)[inner]
         omitted = self._solve(right)
         if self.modes.shape[1]:
             inner_stiffness = self._structure.stiffness[inner][:, inner]
             squared = np.einsum("ij,ij->j", self.modes, inner_stiffness @ self.modes)
             omitted = omitted - self.modes @ ((self.modes.T @ right) / squared[:, None])
-        plain[free[inner]] += omitted
-        return plain
+        plain[inner] += omitted
+        return self._structure.expand(plain)
 
     def project(self, load: FloatArray) -> FloatArray:
         """``T^T f`` (n, k) of loads f (3 * n_nodes, k) in N on the full mesh, T the transformation of this recovery.
@@ -147,7 +150,7 @@ class Recovery:
         boundary's static displacements are exact for loads anywhere, and the force on each mode. Parts of a load on
         constrained displacements go into the support. As rows, the result gives ``f . u`` from the unknowns.
         """
-        free = load[self._structure.free_unknowns]
+        free = self._structure.gather(load)
         inside = free[self._interior]
         boundary = free[self._boundary] - self._coupling().T @ self._solve(inside)
         return np.concatenate([boundary, self.modes.T @ inside])

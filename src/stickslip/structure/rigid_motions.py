@@ -123,21 +123,25 @@ def _free_motions(points: FloatArray, regions: list[IntArray], fixed_unknowns: I
     size = np.array([float(np.ptp(points[region], axis=0).max()) for region in regions])
     again = np.flatnonzero(node[1:] == node[:-1])
     # each region agrees with the one before it that has the node
-    agree = _motions(points[node[again]], owner[again], centre, size)
-    agree = agree - _motions(points[node[again]], owner[again + 1], centre, size)
+    agree = rigid_fields(points[node[again]], owner[again], centre, size)
+    agree = agree - rigid_fields(points[node[again]], owner[again + 1], centre, size)
     constrained = fixed_unknowns[np.isin(fixed_unknowns // 3, node)]
     owner_of_constrained = owner[np.searchsorted(node, constrained // 3)]
-    constrained_motions = _motions(points[constrained // 3], owner_of_constrained, centre, size)[
+    constrained_motions = rigid_fields(points[constrained // 3], owner_of_constrained, centre, size)[
         3 * np.arange(constrained.size) + constrained % 3
     ]
-    rows = scipy.sparse.vstack([agree, constrained_motions]).tocsr()
-    if not rows.shape[0]:
-        return 6 * len(regions)
-    gram = (rows.T @ rows).tocsr()
+    return zero_motions(scipy.sparse.vstack([agree, constrained_motions]).tocsr(), len(regions))
+
+
+def zero_motions(conditions: Any, n_regions: int) -> int:
+    """Number of motions of rigid regions that satisfy conditions (m, 6 * n_regions), csr rows on their motions."""
+    if not conditions.nnz:
+        return 6 * n_regions
+    gram = (conditions.T @ conditions).tocsr()
     gram /= gram.diagonal().max()
-    if len(regions) > _MOST_REGIONS:
+    if n_regions > _MOST_REGIONS:
         return _zero_eigenvalues(gram)
-    return 6 * len(regions) - int(np.linalg.matrix_rank(gram.toarray(), tol=_RANK_TOLERANCE))
+    return 6 * n_regions - int(np.linalg.matrix_rank(gram.toarray(), tol=_RANK_TOLERANCE))
 
 
 def _zero_eigenvalues(gram: Any) -> int:
@@ -149,7 +153,7 @@ def _zero_eigenvalues(gram: Any) -> int:
     return int((factor.U.diagonal() < 0.0).sum())
 
 
-def _motions(places: FloatArray, region: IntArray, centre: FloatArray, size: FloatArray) -> Any:
+def rigid_fields(places: FloatArray, region: IntArray, centre: FloatArray, size: FloatArray) -> Any:
     """(3 k, 6 n_regions) sparse: displacements of k places from translations and rotations of the region of each."""
     x, y, z = ((places - centre[region]) / size[region, None]).T
     zero, one = np.zeros(len(places)), np.ones(len(places))

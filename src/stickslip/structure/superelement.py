@@ -16,6 +16,8 @@ from stickslip.core.validation import FloatArray, finite_array, symmetric_matrix
 # neighbours in opposite directions. Round-off is 1e-16 of it, and 1e-12 after a reduction; the lowest bending mode of a
 # solid beam 100 times as long as thick, with four elements across, has 1e-9.
 RIGID_FRACTION = 1e-10
+# chosen: part of the largest entry of a mode that counts as its round-off in other unknowns; eigensolvers leave 1e-14.
+ROUND_OFF_PART = 1e-8
 
 
 @dataclass(frozen=True)
@@ -137,6 +139,18 @@ def moves_freely(stiffness: Any, modes: FloatArray) -> NDArray[np.bool_]:
     ``stiffness`` (n, n) may be sparse. The measure is relative to the stiffness of the unknowns of each mode: an
     elastic mode may have any low frequency, and a light free body may be beside stiff ones.
     """
-    energy = np.abs((modes * (stiffness @ modes)).sum(axis=0))
-    size = np.abs(modes)
+    energy = np.abs((modes.conj() * (stiffness @ modes)).sum(axis=0))
+    # Unknowns that a mode does not move contain round-off, whose energy is not below a fraction of itself.
+    size = np.maximum(np.abs(modes), ROUND_OFF_PART * np.abs(modes).max(axis=0, initial=0.0))
     return np.asarray(energy <= RIGID_FRACTION * (size * (abs(stiffness) @ size)).sum(axis=0))
+
+
+def require_rayleigh_factors(mass_factor: float, stiffness_factor: float) -> None:
+    """Raise InputError unless both factors of ``mass_factor M + stiffness_factor K`` (1/s and s) are 0 or above."""
+    factors = finite_array("Rayleigh damping factors", [mass_factor, stiffness_factor])
+    if (factors < 0).any():
+        raise InputError(
+            f"Rayleigh damping factors must not be negative, but mass_factor is {mass_factor:g} 1/s and "
+            f"stiffness_factor is {stiffness_factor:g} s.",
+            arguments=["mass_factor", "stiffness_factor"],
+        )

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.case import Case
+from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import ConvergenceError, InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.model import ReducedModel
@@ -38,8 +39,10 @@ def solve(
     return replace(response, provenance={**response.provenance, **run_provenance()})
 
 
-def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
-    """The forced response over the window of [solver]."""
+def forced_curve(
+    case: Case, model: ReducedModel, listener: Progress, threads: int | None, checks: bool = True
+) -> ForcedResponse:
+    """The forced response over the window of [solver], ``checks`` as :func:`forced_response` has them."""
     settings, analysis = case.solver, case.analysis
     compiling = "preparation; the first run on a machine compiles the friction law in about ten seconds"
     listener.update("Response", 0.0, compiling)
@@ -63,8 +66,10 @@ def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | 
         continuation=continuation,
         traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
         traction_starts=analysis.traction_starts,
+        checks=checks,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
+        raise_on_failure=CALLER_REPORTS,
     )
     if not analysis.search:
         return response
@@ -100,7 +105,7 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
         )
     with concerning("analysis.largest_amplitude"):
         require_allowed_amplitude(model.pairs, linear, analysis.largest_amplitude / shape, shape)
-    response = _forced(case, model, listener, threads)
+    response = forced_curve(case, model, listener, threads)
     try:
         mode = nonlinear_mode(
             model.superelement,
@@ -116,6 +121,7 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             newton=NewtonSettings(tolerance=settings.tolerance),
             threads=threads,
             progress=lambda fraction, detail: listener.update("Nonlinear mode", fraction, detail),
+            raise_on_failure=CALLER_REPORTS,
         )
     except ConvergenceError as error:  # the response is a result without it
         return replace(response, warnings=(*response.warnings, f"The nonlinear mode was not computed: {error}"))
@@ -129,11 +135,12 @@ def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | N
     assert isinstance(analysis, RidgeAnalysis)
     limits = analysis.over_from, analysis.over_to
     checked_range(case, analysis.over, limits, model.joint.layout)
-    response = _forced(case, model, listener, threads)
+    response = forced_curve(case, model, listener, threads)
     try:
         peaks = ridge(
-            case, analysis.over, limits, harmonics=response.harmonics, model=model, progress=listener, threads=threads
-        )
+            case, analysis.over, limits, harmonics=response.harmonics, model=model, progress=listener, threads=threads,
+            raise_on_failure=CALLER_REPORTS,
+        )  # fmt: skip
     except ConvergenceError as error:  # the response is a result without it
         return replace(response, warnings=(*response.warnings, f"The ridge of peaks was not computed: {error}"))
     return replace(response, peak_ridge=peaks)
@@ -142,7 +149,7 @@ def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | N
 def _wear(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
     """The forced response, and beside it the wear of the joint. Raises InputError for a joint that cannot wear."""
     worn_faces(case, model.joint)
-    response = _forced(case, model, listener, threads)
+    response = forced_curve(case, model, listener, threads)
     try:
         worn = wear_of_study(case, model, response.harmonics, listener, threads)
     except ConvergenceError as error:  # the response is a result without it
@@ -152,7 +159,7 @@ def _wear(case: Case, model: ReducedModel, listener: Progress, threads: int | No
 
 # Class of the section [analysis] -> function that computes it.
 _ANALYSES: dict[type[AnalysisSection], Analyse] = {
-    ForcedAnalysis: _forced,
+    ForcedAnalysis: forced_curve,
     ModeAnalysis: _mode,
     RidgeAnalysis: _ridge,
     WearAnalysis: _wear,

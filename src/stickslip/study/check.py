@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.case import Case
+from stickslip.case.load import has_range
 from stickslip.core.plausible import suspecting
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Layout
@@ -27,6 +30,7 @@ from stickslip.study.ridge import checked_range
 from stickslip.study.stiffness_band import has_stiffness_band
 from stickslip.study.wear import energy_coefficients, worn_faces
 
+USUAL_FRICTION = 1.5  # chosen: a larger friction coefficient is hardly that of a joint
 SHOWN_FREQUENCIES = 4  # chosen: the lowest ones, as a check of the model
 
 
@@ -56,7 +60,7 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
         (
             "Would run",
             [
-                ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
+                ("sweep", _range_words(case)),
                 (f"first natural frequencies, contact stuck{constraint}", ", ".join(map(hertz, stuck_hz)) + " Hz"),
                 ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.resolution}, {solver.samples} samples"),
@@ -80,8 +84,14 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
             + (", so the static load must close others." if solved else ", and a run rejects that.")
         )
     low, high = sorted((solver.frequency_start, solver.frequency_stop))
-    if not ((stuck_hz >= low) & (stuck_hz <= high)).any():
+    if has_range(case) and not ((stuck_hz >= low) & (stuck_hz <= high)).any():
         warnings.append("No natural frequency of this list is in the sweep, so the sweep may contain no resonance.")
+    highest = float(np.nanmax(joint.friction_coefficient, initial=0.0))
+    if highest > USUAL_FRICTION:
+        warnings.append(
+            f"The friction coefficient {highest:g} is above {USUAL_FRICTION:g}: dry metal joints have 0.1 to 0.8, only "
+            "rubber and clean metals in vacuum have more."
+        )
     if _is_undamped(case, structure):
         warnings.append(
             "There is no viscous damping: a run rejects a resonance in the sweep that friction cannot bound. Give "
@@ -90,6 +100,12 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
     if warnings:
         sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
     return sections
+
+
+def _range_words(case: Case) -> str:
+    if not has_range(case):
+        return "the file has no frequency range; see the proposal"
+    return f"{case.solver.frequency_start:g} to {case.solver.frequency_stop:g} Hz"
 
 
 def _mode(analysis: AnalysisSection) -> Iterator[tuple[str, str]]:

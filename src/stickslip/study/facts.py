@@ -10,6 +10,8 @@ import numpy as np
 
 from stickslip.contact.constants import NORMAL_LOAD
 from stickslip.contact.law.law import BoolArray, ContactLaw, ContactState
+from stickslip.contact.pairing.pairing import FacePairs
+from stickslip.contact.pairing.rows import EFFECT_OF_FEW_ROWS, faces_with_few_rows, rows_of_pairs
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
@@ -68,8 +70,13 @@ def _stiffness_by_laws(face: RoughFace) -> Iterator[Derived]:
     fractal = face.stiffness.normal / face.reference_area
     yield "Stiffness per unit area by Persson's law", float(1e-9 * found.persson), "N/mm³", "of one face, normal"
     yield "Stiffness per unit area by the fractal law", float(1e-9 * fractal), "N/mm³", "of the same face"
-    yield "Believable stiffness per unit area", f"{low:.3g} to {high:.3g}", "N/mm³", "1/3 to 3 of Persson's law"
+    yield "Believable stiffness per unit area", f"{_plain(low)} to {_plain(high)}", "N/mm³", "1/3 to 3 of Persson's law"
     yield "Stiffness of this study over Persson's law", float(found.ratio), "-", "believable: 1/3 to 3"
+
+
+def _plain(value: float) -> str:
+    """Three digits without exponent: 1250, 0.0125."""
+    return f"{float(f'{value:.3g}'):g}" if 1e-3 <= value < 1e5 else f"{value:.3g}"
 
 
 def _law_of_face(name: str, named: NamedLaw, law: ContactLaw) -> Iterator[Derived]:
@@ -212,6 +219,15 @@ def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
     return (*found, *joint.stiffness_warnings, *kind_of(case).warnings(case))
 
 
+def _rows_of_pairs(pairs: FacePairs) -> Iterator[tuple[str, str]]:
+    """The rows of pairs of faces with a grid of them, and what few rows mean."""
+    counts = dict.fromkeys(rows_of_pairs(pairs.face, pairs.face_position))
+    if counts:
+        few = faces_with_few_rows(pairs.face, pairs.face_position)
+        note = f"; few, if pairs separate: {EFFECT_OF_FEW_ROWS}" if few else ""
+        yield "rows of pairs", " and ".join(f"{one} by {other}" for one, other in counts) + f" on a face{note}"
+
+
 def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:
     """Sizes of the model: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
     pairs, faces = joint.face_pairs, len(joint.face_names)
@@ -230,5 +246,6 @@ def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: 
         *setup.sizes(),
         *unknowns,
         ("contact pairs", f"{pairs.area.size} on {faces} face{'s' if faces > 1 else ''}"),
+        *_rows_of_pairs(pairs),
         ("unknowns of the balance", f"{unknowns_of_balance} ({case.solver.resolution})"),
     )

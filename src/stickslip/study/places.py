@@ -13,6 +13,7 @@ from stickslip.structure.superelement import Superelement
 if TYPE_CHECKING:
     from stickslip.case.case import Case
 
+CASES_FOLDER = "cases"  # of a sweep
 RESULTS_FILE = "results.nc"
 REPORT_FILE = "report.html"
 FIGURE_FOLDER = "figures"

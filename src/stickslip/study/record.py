@@ -10,7 +10,9 @@ from itertools import zip_longest
 from stickslip.case.analysis import ForcedAnalysis
 from stickslip.case.case import Case
 from stickslip.case.reference import MODE_COUNT
+from stickslip.contact.law.law import ContactState
 from stickslip.contact.pairing.pairing import FacePairs
+from stickslip.contact.pairing.rows import EFFECT_OF_FEW_ROWS, FEW_ROWS, faces_with_few_rows
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
@@ -53,6 +55,7 @@ def study_record(
         title=case.study.title,
         description=kind_of(case).description(case),
         inputs=case.to_text(),
+        changed_inputs="\n".join(case.changed_keys()),
         outputs=dict(model.outputs),
         signal_groups=dict(model.signal_groups),
         face_names=model.joint.face_names,
@@ -63,8 +66,24 @@ def study_record(
         mode_contact=contact_model,
         mode_reference="" if case.reference is None else case.reference.source,
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *linear_natural_frequencies(response)),
-        warnings=(*study_warnings(case, model.joint), *doubts),
+        warnings=(*study_warnings(case, model.joint), *doubts, *_few_rows(model, response)),
     )
+
+
+def _few_rows(model: ReducedModel, response: ForcedResponse) -> Iterator[str]:
+    """A warning where pairs separate at the peak on faces with few rows of pairs: the border of contact is coarse."""
+    pairs = model.joint.face_pairs
+    few = faces_with_few_rows(pairs.face, pairs.face_position)
+    peak = int(response.amplitude(next(iter(model.outputs.values()))).argmax())
+    opening = response.contact_state[peak] == ContactState.SEPARATING
+    coarse = {face: rows for face, rows in few.items() if opening[pairs.face == face].any()}
+    if coarse:
+        names = ", ".join(f"{model.joint.face_names[face]} {rows}" for face, rows in coarse.items())
+        yield (
+            f"At the peak {int(opening.sum())} pairs separate, on faces with few rows of pairs ({names}). The border "
+            f"of contact is then coarse: {EFFECT_OF_FEW_ROWS}. Compare with at least {FEW_ROWS} rows: a finer mesh of "
+            "the face, for two blades mesh.contact_columns = 8."
+        )
 
 
 def with_other_tractions(

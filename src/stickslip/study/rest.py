@@ -50,5 +50,6 @@ def _under_normal_loads(
     )
     whole = load.copy()
     moved = (recovery @ acceleration[:, None])[structure.free_unknowns, 0]
+    # a force on each independent displacement alone: what follows it gets none of its own
     whole[structure.free_unknowns] -= structure.mass @ moved
     return recovery.with_omitted_modes(displacement[:, None], whole[:, None])

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from stickslip.case.case import Case, parts_of_key
 from stickslip.case.key_kinds import kind_of_key
+from stickslip.core.completeness import reported
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
@@ -145,6 +146,7 @@ def ridge(
     model: ReducedModel | None = None,
     progress: Progress | None = None,
     threads: int | None = None,
+    raise_on_failure: bool | None = False,
 ) -> PeakRidge:
     """Follow the peaks of the first output of a case while a key of its study file changes.
 
@@ -161,7 +163,7 @@ def ridge(
         of a case with ``solver.accuracy``, by default 5; those of its frequency curve have the accuracy.
     model:
         of the case, if it exists.
-    progress, threads:
+    progress, threads, raise_on_failure:
         as in :func:`solve_case`.
 
     Returns
@@ -183,4 +185,5 @@ def ridge(
     stages = CaseStages(family, model, report, count, ridge_options(case, case.solver.tolerance, harmonics))
     name = next(iter(model.outputs))
     result = ridge_between(stages, bounds, report, count, key, family.quantity.si_unit, name)
-    return replace(result, provenance={**result.provenance, **run_provenance()})
+    result = replace(result, provenance={**result.provenance, **run_provenance()})
+    return reported(result, raise_on_failure)

@@ -11,24 +11,22 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from stickslip.case.case import Case
+from stickslip.core.completeness import reported
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.files import require_folder, write_solved
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.model.model import Model
 from stickslip.results.measures import summary, summary_table
-from stickslip.results.nonlinear_mode import NonlinearMode
-from stickslip.results.peak_gradients import PeakGradients
-from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
-from stickslip.results.wear import Wear
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
 from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
 from stickslip.study.performance_curve import with_performance_curve
 from stickslip.study.places import (
+    CASES_FOLDER,
     FIGURE_FOLDER,
     MODES_FILE,
     PERIOD_FILE,
@@ -39,12 +37,10 @@ from stickslip.study.places import (
     require_space_for,
 )
 from stickslip.study.sketching import MeshMotion
-from stickslip.study.solution import reported_model, solved
+from stickslip.study.solution import least_complete, reported_model, solved
 from stickslip.study.stiffness_band import with_stiffness_band
 from stickslip.study.stress import StressAtPeak
 from stickslip.study.stress_summary import fields_of, stress_rows
-
-STRONGEST = 5  # chosen: inputs whose gradients the command prints; the page has all
 
 
 @dataclass(frozen=True)
@@ -58,11 +54,16 @@ class StudyOutcome:
 
 
 def run(
-    case: Case, out_dir: str | PathLike[str], progress: Progress | None = None, threads: int | None = None
+    case: Case,
+    out_dir: str | PathLike[str],
+    progress: Progress | None = None,
+    threads: int | None = None,
+    raise_on_failure: bool | None = False,
 ) -> StudyOutcome:
     """Solve a case and write results.nc, report.html, single figures, and shapes for ParaView into ``out_dir``.
 
-    An incomplete curve is written too; ``converged`` is then False. ``threads`` None takes the environment variable
+    An incomplete curve is written too; ``converged`` is then False, with a NotConvergedWarning, or with
+    ``raise_on_failure`` a ConvergenceError; None gives neither. ``threads`` None takes the environment variable
     STICKSLIP_THREADS, or else the usable cores, at most 4. Raises InputError (geometry, roughness), OutputError
     (folder, full disk), ConvergenceError (not even a first point), ResultsFileError.
     """
@@ -70,7 +71,9 @@ def run(
     require_places(out)
     # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.
     with threadpool_limits(limits=1), artist_of(Drawing(out / FIGURE_FOLDER, case)) as artist:
-        return _run(case, out, progress or SilentProgress(), count, artist)
+        outcome = _run(case, out, progress or SilentProgress(), count, artist)
+    reported(least_complete(outcome.response), raise_on_failure)
+    return outcome
 
 
 def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess | NoFigures) -> StudyOutcome:
@@ -99,10 +102,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         progress.update("Files", 0.7, FIGURE_FOLDER)
         files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
-    mode = response.nonlinear_mode
-    ridge = response.peak_ridge
-    besides = (mode, ridge, response.wear)
-    converged = response.converged and all(each is None or each.converged for each in besides)
+    converged = least_complete(response).converged
     return StudyOutcome(response, tuple(files), converged, _closing_words(response, record))
 
 
@@ -157,53 +157,19 @@ def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
     lines = [f"{response.message} {response.n_points} points."]
     lines += [f"  {name:<{width}}  {value} {unit}" for name, value, unit in rows]
     lines += [f"Warning: {sentence}" for sentence in (*record.warnings, *response.warnings)]
-    if response.nonlinear_mode is not None:
-        lines += _words_of_mode(response.nonlinear_mode)
-    for title, ridge in (("Performance curve", response.performance_curve), ("Ridge of peaks", response.peak_ridge)):
-        if ridge is not None:
-            lines += _words_of_ridge(title, ridge)
-    if response.wear is not None:
-        lines += _words_of_wear(response.wear)
-    if response.gradients is not None:
-        lines += _words_of_gradients(response.gradients)
+    lines += [line for name, part in response.parts.items() for line in part.closing_words(name)]
     return "\n".join(lines)
 
 
-def _words_of_ridge(title: str, ridge: PeakRidge) -> Iterator[str]:
-    """The message of a ridge of peaks, its optimum, and its warnings."""
-    yield f"{title}: {ridge.message} {ridge.n_points} peaks."
-    yield from (f"  {sentence}" for sentence in ridge.words())
-    yield from (f"Warning: {sentence}" for sentence in ridge.warnings)
-
-
-def _words_of_wear(wear: Wear) -> Iterator[str]:
-    """The message of the wear, what it removes and changes, and its warnings."""
-    yield f"Wear: {wear.message} {wear.n_states} states."
-    yield from (f"  {sentence}" for sentence in wear.words())
-    yield from (f"Warning: {sentence}" for sentence in wear.warnings)
-
-
-def _words_of_mode(mode: NonlinearMode) -> Iterator[str]:
-    """The message of a nonlinear mode, its range, and its warnings."""
-    yield f"Nonlinear mode {mode.mode}: {mode.message} {mode.n_points} points."
-    low, high = mode.damping_ratio.min(), mode.damping_ratio.max()
-    yield f"  frequency      {mode.frequency_hz.min():.2f} to {mode.frequency_hz.max():.2f} Hz"
-    yield f"  damping ratio  {100 * low:.3g} to {100 * high:.3g} %"
-    yield from (f"Warning: {sentence}" for sentence in mode.warnings)
-
-
-def _words_of_gradients(gradients: PeakGradients) -> Iterator[str]:
-    """The strongest inputs, and the messages."""
-    yield "Change of the peak amplitude by 10 % more of an input, first order:"
-    changes, strongest = gradients.relative_changes(0.1)[0], gradients.order[:STRONGEST]
-    width = max((len(gradients.names[place]) for place in strongest), default=0)
-    yield from (f"  {gradients.names[place]:<{width}}  {100 * changes[place]:+.2g} %" for place in strongest)
-    yield from (f"Note: {sentence}" for sentence in gradients.messages)
-
-
 def report(folder: str | PathLike[str]) -> tuple[Path, ...]:
-    """Make the page of a solved study again, without solving. Raises ResultsFileError, InputError."""
+    """Make the page of a solved study again, or the page of each case of a sweep, without solving.
+
+    Raises ResultsFileError, InputError.
+    """
     source = Path(folder) / RESULTS_FILE
+    cases = sorted((Path(folder) / CASES_FOLDER).glob(f"*/{RESULTS_FILE}"))
+    if cases and not source.exists():
+        return tuple(page for case in cases for page in report(case.parent))
     saved = load_results(source)
     if saved.study is None:
         raise ResultsFileError(

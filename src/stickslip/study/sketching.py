@@ -121,7 +121,7 @@ def _carrying_nodes(pairs: FacePairs, face: int) -> IntArray:
 
 def _places(mesh: Mesh, layout: Layout, node_groups: list[str]) -> FloatArray:
     """(k, 3) m, the middle of each node group."""
-    middles = [layout.node_groups[name].weights @ mesh.points[layout.node_groups[name].nodes] for name in node_groups]
+    middles = [layout.node_groups[name].mean_place(mesh.points) for name in node_groups]
     return np.array(middles, dtype=float).reshape(-1, 3)
 
 
@@ -132,10 +132,7 @@ def _motion(
     of_nodes = motion.displacement.reshape(-1, 3, motion.displacement.shape[1])
 
     def at(names: list[str]) -> FloatArray:
-        means = [
-            np.tensordot(layout.node_groups[name].weights, of_nodes[layout.node_groups[name].nodes], 1)
-            for name in names
-        ]
+        means = [layout.node_groups[name].mean_of(of_nodes) for name in names]
         return np.array(means, dtype=float).reshape(-1, *of_nodes.shape[1:])
 
     return Motion(

@@ -9,6 +9,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from stickslip.case.case import Case
+from stickslip.core.completeness import Ended, reported
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.model.layout import Setup
@@ -73,17 +74,31 @@ class Solution:
         return amplitude_frequency(self.response, self.record)
 
 
-def solve_case(case: Case, progress: Progress | None = None, threads: int | None = None) -> Solution:
+def solve_case(
+    case: Case,
+    progress: Progress | None = None,
+    threads: int | None = None,
+    raise_on_failure: bool | None = False,
+) -> Solution:
     """Solve a case in memory; nothing is written.
 
-    ``threads`` None takes the environment variable STICKSLIP_THREADS, or else the usable cores, at most 4. Raises
-    InputError (geometry, roughness) and ConvergenceError (not even a first point).
+    ``threads`` None takes the environment variable STICKSLIP_THREADS, or else the usable cores, at most 4. A curve,
+    mode, ridge or wear that ends early gives a NotConvergedWarning, or with ``raise_on_failure`` a ConvergenceError;
+    None gives neither. Raises InputError (geometry, roughness) and ConvergenceError (not even a first point).
     """
     count, listener = thread_count(threads), progress or SilentProgress()
     # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.
     with threadpool_limits(limits=1):
         _, model = reported_model(case, listener, count)
-        return solved(case, model, listener, count)
+        solution = solved(case, model, listener, count)
+    reported(least_complete(solution.response), raise_on_failure)
+    return solution
+
+
+def least_complete(response: ForcedResponse) -> Ended:
+    """The curve, or of the analyses beside it the first one that ended early while the curve did not."""
+    results: tuple[Ended | None, ...] = (response, response.nonlinear_mode, response.peak_ridge, response.wear)
+    return next((each for each in results if each is not None and not each.converged), response)
 
 
 def reported_model(case: Case, progress: Progress, threads: int) -> tuple[Setup, Model]:

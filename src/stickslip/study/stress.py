@@ -148,13 +148,7 @@ class _FullLoads:
 
     def _rows(self) -> dict[str, FloatArray]:
         """Name -> (3, size) rows of the mean displacement of a node group."""
-        rows = {}
-        for name, group in self.layout.node_groups.items():
-            row = np.zeros((3, self.size))
-            for axis in range(3):
-                row[axis, 3 * group.nodes + axis] = group.weights
-            rows[name] = row
-        return rows
+        return {name: group.unit_loads(self.size).T for name, group in self.layout.node_groups.items()}
 
 
 def _regions(case: Case, layout: Layout, structure: Structure) -> IntArray:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from stickslip.case.analysis import WearAnalysis
 from stickslip.case.case import Case
+from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import InputError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
@@ -76,5 +77,6 @@ def wear_of_study(case: Case, model: ReducedModel, harmonics: int, progress: Pro
         newton=NewtonSettings(tolerance=settings.tolerance),
         threads=threads,
         progress=lambda fraction, detail: progress.update("Wear", fraction, detail),
+        raise_on_failure=CALLER_REPORTS,
     )
     return replace(result, provenance={**result.provenance, **run_provenance()})

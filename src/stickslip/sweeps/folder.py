@@ -23,11 +23,10 @@ from stickslip.core.errors import ResultsFileError
 from stickslip.core.files import remove_abandoned, require_disk_space, require_folder, whole_file, write_solved
 from stickslip.core.seal import require_seal, seal
 from stickslip.results.sweep_table import SweepCurve
-from stickslip.study.places import RESULTS_FILE
+from stickslip.study.places import CASES_FOLDER, RESULTS_FILE
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.work import CaseOutcome
 
-CASES = "cases"
 FAILED_FILE = "failed.json"
 ROW_FILE = "row.json"
 TRACEBACK_FILE = "traceback.log"
@@ -42,12 +41,12 @@ class SweepFolder:
 
     def make(self, files: Iterable[str]) -> None:
         """Make the folder itself, for cases and these files. Raises OutputError if they could not be written."""
-        require_folder(self.path, files, folders=(CASES,))
+        require_folder(self.path, files, folders=(CASES_FOLDER,))
         require_disk_space(self.path, SPACE_BYTES, SPACE_BYTES)
 
     def results_file(self, planned: PlannedCase) -> Path:
         """The results file of a case, whether or not it exists."""
-        return self.path / CASES / planned.name / RESULTS_FILE
+        return self.path / CASES_FOLDER / planned.name / RESULTS_FILE
 
     def relative(self, planned: PlannedCase) -> str:
         """The same, relative to the folder of the sweep, as the table shows it."""

@@ -22,7 +22,7 @@ from stickslip.sweeps.work import worker_version
 
 LARGEST_SWEEP = 20_000  # cases; chosen: every case is validated and hashed before the first one is solved
 _SHOWN_ERRORS = 10  # chosen: lines of a message
-_STRUCTURE_SECTIONS = ("structure", "geometry", "mesh", "material", "bodies", "reduction")
+_STRUCTURE_SECTIONS = ("structure", "geometry", "mesh", "material", "bodies", "ties", "reduction")
 # Keys of other sections that determine pairs and places; their other keys do not change the structure.
 _PLACE_KEYS = ("set", "point", "node", "spread")
 _LAYOUT_KEYS = {

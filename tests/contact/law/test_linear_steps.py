@@ -23,6 +23,9 @@ LAWS = {
     "coulomb that opens": coulomb([2.0, 2.0], 1.0),
     "coulomb that stays closed": coulomb([2.0, 2.0], 2.5),
     "coulomb, unequal springs": coulomb([2.0, 1.2], 1.0),
+    "exponential": ss.ExponentialContact(
+        np.array([3.0]), np.array([[2.0, 2.0]]), np.array([0.4]), np.array([2.0]), np.zeros((1, 2))
+    ),
     "jenkins": ss.JenkinsElement(
         np.array([[2.0, 1.0]]), np.array([[0.5, 0.4]]), np.array([1.0]), residual_traction=np.zeros((1, 2))
     ),

@@ -292,7 +292,7 @@ WRONG = {
         "",
     ),
     "system": ("*Node\n", "*System\n1.,2.,3.\n*Node\n"),
-    "tie": ("*End Assembly", "*Tie, name=t\nSkin, Cube-1.Top\n*End Assembly"),
+    "tie": ("*End Assembly", "*Tie, name=t\nSkin, Cube-1.Nowhere\n*End Assembly"),
     "no set": ("_PickedSet4, ENC", "Cube-1.Set-7, ENC"),
     "no instance": (
         "instance=Cube-1\n",

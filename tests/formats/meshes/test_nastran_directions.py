@@ -8,6 +8,7 @@ import pytest
 from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
+from stickslip.structure.constraints import eliminate
 
 CUBES = (Path(__file__).parents[2] / "data" / "models" / "cubes.bdf").read_text(encoding="utf-8")
 CYLINDER = "CORD2C,5,,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\n"  # about z
@@ -103,31 +104,9 @@ def test_constraints_along_basic_directions(tmp_path, system, grids, constraints
 @pytest.mark.parametrize(
     ("system", "grids", "constraints"),
     [
-        (
-            CYLINDER,
-            {3: 5},
-            "$\nSPC1,1,1,3\n",
-        ),
-        (
-            CYLINDER,
-            {3: 5},
-            "SPC1,1,1,3\nSPC1,1,3,3\n",
-        ),
         (CYLINDER, {5: 5}, "SPC1,1,2,5\n"),  # on the axis
         (SPHERE, {5: 5}, "SPC1,1,13,5\n"),
         (SPHERE, {1: 5}, "SPC1,1,12,1\n"),
-        (SPHERE, {8: 5}, "SPC1,1,1,8\n"),
-        (TURNED.format(1e-8), {3: 5}, "SPC1,1,1,3\n"),
-        (
-            TURNED.format(0.3),
-            {3: "5,1"},
-            "SPC1,1,2,2\n",
-        ),
-        (
-            "GRDSET,,,,,,5\n" + CYLINDER,
-            {},
-            "SPC1,1,1,3\n",
-        ),
         ("", {16: 5}, "SPC1,1,1,3\n"),
         ("", {16: "x"}, "SPC1,1,1,3\n"),
     ],
@@ -135,6 +114,25 @@ def test_constraints_along_basic_directions(tmp_path, system, grids, constraints
 def test_constraints_in_other_directions_are_rejected(tmp_path, system, grids, constraints):
     with rejects(ImportFileError):
         cubes(tmp_path, system, grids, constraints)
+
+
+@pytest.mark.parametrize(
+    ("system", "grids", "constraints", "node", "rows"),
+    [
+        # grid 3 at (10, 10, 0), grid 2 at (10, 0, 0), grid 8 at (0, 10, 10)
+        (CYLINDER, {3: 5}, "SPC1,1,1,3\nSPC1,1,3,3\n", 2, [[1, 1, 0], [0, 0, 1]]),
+        (SPHERE, {8: 5}, "SPC1,1,1,8\n", 7, [[0, 1, 1]]),
+        (TURNED.format(1e-8), {3: 5}, "SPC1,1,1,3\n", 2, [[1, 1e-8, 0]]),
+        (TURNED.format(0.3), {3: "5,1"}, "SPC1,1,2,2\n", 2, [[1, 0.3, 0]]),
+        ("GRDSET,,,,,,5\n" + CYLINDER, {}, "SPC1,1,1,3\n", 2, [[1, 1, 0]]),
+    ],
+)
+def test_constraints_in_other_directions_become_equations(tmp_path, system, grids, constraints, node, rows):
+    model = cubes(tmp_path, system, grids, constraints)
+    tied = eliminate(model.equations, model.fixed_unknowns).transformation[3 * node : 3 * node + 3].toarray()
+    rows = np.array(rows) / np.linalg.norm(rows, axis=1)[:, None]
+    np.testing.assert_allclose(rows @ tied, 0.0, atol=1e-12)
+    assert np.linalg.matrix_rank(tied) == 3 - len(rows)
 
 
 def test_directions_of_a_grid_outside_of_solids_do_not_matter(tmp_path):

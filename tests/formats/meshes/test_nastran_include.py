@@ -70,7 +70,7 @@ def test_names_are_relative_to_the_including_file_then_to_the_deck(tmp_path):
     path = write(
         tmp_path,
         deck=f"SOL 103\nCEND\nSPC = 1\nBEGIN BULK\nINCLUDE 'parts/all.bdf'\n{REST}\nENDDATA\n",
-        inner="RBE2,1,2,3,4\n",  # is refused if it is read
+        inner="RBE1,1,2,3,4\n",  # is refused if it is read
         parts__inner=GRIDS[: GRIDS.index("GRID,7")],
         parts__outer=GRIDS[GRIDS.index("GRID,7") :],
         parts__all=nested,

@@ -6,7 +6,8 @@ from scipy.spatial import cKDTree
 
 from sentences import rejects
 from stickslip.core.errors import InputError
-from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.model.kinds.two_blade_geometry import BladePairElements, BladePairGeometry
+from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.structure.elasticity import Material
 from stickslip.structure.shapes import consistent_mass
 

@@ -73,6 +73,7 @@ def test_every_claim_has_a_verdict_under_every_change(changed: dict[str, Changed
         assert None not in changed[claim.statement].verdicts.values()
 
 
+@pytest.mark.slow
 def test_claims_that_compare_loads_and_forces_follow_the_change(changed: dict[str, ChangedVerdict]) -> None:
     for statement in (SLIP, FORCE):
         verdicts = {name: judged.verdict for name, judged in changed[statement].verdicts.items() if judged}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import weakref
+
 import numpy as np
 import pytest
 
@@ -100,6 +102,35 @@ def test_a_factor_helps_with_the_next_systems(blade: Blade, monkeypatch: pytest.
     bordered = BorderedSystem(system, [balance.frequency_slope(trial)], [Row(np.ones(1))], LastFactor())
     bordered.solve(trial.residual, np.zeros(1), 1e-9)
     assert factored[0] == 2  # without a factor
+
+
+def test_a_curve_has_one_large_factor_at_a_time(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Systems of steps that wait for another attempt have none, and still solve."""
+    monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
+    alive: weakref.WeakSet[Factor] = weakref.WeakSet()
+    before: list[int] = []
+
+    class Known(Factor):
+        def __init__(self, matrix: np.ndarray) -> None:
+            before.append(len(alive))
+            super().__init__(matrix)
+            alive.add(self)
+
+    monkeypatch.setattr(reduced, "Factor", Known)
+    last, systems, steps = LastFactor(), [], []
+    for share in (0.6, 0.9):
+        balance, trial = moving_trial(blade, share)
+        slope = balance.frequency_slope(trial)
+        systems.append((BorderedSystem(NewtonSystem(balance, trial), [slope], [Row(np.ones(1))], last), trial))
+        monkeypatch.setattr(reduced, "PRECONDITIONED_ITERATIONS", 1)
+        steps.append(systems[-1][0].solve(trial.residual, np.zeros(1), 1e-9).unknowns)
+    assert before == [0, 0]  # each is released before the next matrix takes as much memory
+    assert len(alive) == 1
+    monkeypatch.setattr(reduced, "PRECONDITIONED_ITERATIONS", 60)
+    system, trial = systems[0]
+    again = system.solve(trial.residual, np.zeros(1), 1e-9).unknowns
+    assert np.linalg.norm(again - steps[0]) < 1e-6 * np.linalg.norm(steps[0])
 
 
 def test_a_factor_helps_with_systems_of_more_harmonics(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:

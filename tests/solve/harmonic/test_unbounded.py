@@ -12,6 +12,8 @@ import pytest
 import stickslip as ss
 from sentences import rejects
 from stickslip.solve.harmonic import unbounded
+from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.harmonic.unbounded import sliding_shapes
 
 OMEGA, STIFF = 1000.0, 1e6  # rad/s of the free mass of 1 kg, and N/m of its contact
 HERTZ = OMEGA / (2.0 * math.pi)
@@ -36,7 +38,7 @@ def solve(
     damping = np.diag([2.0 * ratio * OMEGA, 0.0])
     structure = ss.Superelement(np.eye(2), np.diag(stiffness), damping)
     pairs = ss.ContactPairs(np.array(operator), STIFF, STIFF, MU, LOAD)
-    settings = {"harmonics": 3, "samples": 256, "threads": 1} | options
+    settings = {"harmonics": 3, "samples": 256, "threads": 1, "raise_on_failure": None} | options
     return ss.forced_response(structure, pairs, [force, 0.0], frequency_hz=window, **settings)
 
 
@@ -52,6 +54,7 @@ def test_a_force_that_friction_cannot_hold_is_rejected(excess: float) -> None:
         solve(excess * HOLDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.5, 0.9])
 def test_a_force_that_friction_holds_is_solved(share: float) -> None:
     """A little below the limit friction bounds the motion: the curve has a peak and no such warning."""
@@ -136,6 +139,34 @@ def test_a_body_that_only_friction_supports_slides_by_its_inertia() -> None:
     assert response.amplitude(ROW)[0] == pytest.approx(height, rel=0.03)
 
 
+@pytest.mark.slow
 def test_no_warning_with_usual_damping() -> None:
     response = solve(2.0 * HOLDS, ratio=1e-3)
     assert not any("friction can hold" in each for each in response.warnings)
+
+
+def test_a_motion_that_presses_nothing_but_for_round_off_slides() -> None:
+    """A free mass with friction beside a ring of springs whose pair has its normal on the ring."""
+    stiffness = np.zeros((7, 7))
+    for first in range(6):
+        second = (first + 1) % 6
+        stiffness[first, first] += 3e5
+        stiffness[second, second] += 1e5
+        stiffness[[first, second], [second, first]] -= 1e5
+    order = np.random.default_rng(0).permutation(7)
+    place = np.argsort(order)
+    stiffness, mass = stiffness[np.ix_(order, order)], np.diag(np.array([0.7] * 6 + [0.3])[order])
+    operator, force = np.zeros((3, 7)), np.zeros(7)
+    operator[0, place[6]], operator[0, place[0]], operator[2, place[1]] = 1.0, -1.0, 0.05
+    force[place[[6, 0, 1]]] = 20.0, 5.0, 3.0
+    free = LinearLimit.of_matrices(mass, stiffness, np.zeros((7, 7)))
+    pairs = ss.ContactPairs(operator, 1e4, 2e4, 0.3, normal_load=20.0)
+    shapes = sliding_shapes(free, pairs)
+    assert shapes.shape == (7, 1)
+    assert np.flatnonzero(np.abs(shapes[:, 0]) > 1e-6).tolist() == [place[6]]
+    response = ss.forced_response(
+        ss.Superelement(mass, stiffness), pairs, force, frequency_hz=(20.0, 45.0), harmonics=3, samples=128,
+        modal_damping_ratio=0.01, checks=False,
+    )  # fmt: skip
+    assert np.abs(response.displacement[:, place[6], 0]).max() < 1e-6
+    assert any(words.startswith("A body moves freely") for words in response.warnings)

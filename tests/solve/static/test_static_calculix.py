@@ -13,7 +13,7 @@ from calculix_contact import (
     node_fields,
     our_contact,
 )
-from stickslip.model.kinds.two_blade_mesh import BladePairElements
+from stickslip.model.kinds.two_blade_geometry import BladePairElements
 
 FORCE, ANGLE = 500.0, np.pi / 6  # N on the damper; slope of the platforms
 HALF_LENGTH = 14e-3  # m, of the damper

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from law_makers import coulomb, cubic, iwan, jenkins, stop
+from law_makers import coulomb, cubic, exponential, iwan, jenkins, stop
 from sentences import rejects
 from stickslip.solve.transient.integrate import TransientResponse
 
@@ -17,6 +17,7 @@ LAWS: dict[str, tuple[ss.ContactLaw, int, float]] = {
     "elastic-stop": (stop(4e5, 1e-5, 5e4), 2, 8.0),
     "jenkins": (jenkins(2e5, 3.0, 1e6), 0, 8.0),
     "iwan": (iwan(2e5, 5.0, -0.5, 0.1, 5e5), 0, 6.0),
+    "exponential": (exponential([2e5], [1e5], [0.3], [5.0]), 2, 5.0),
 }
 LAST = 5
 
@@ -120,11 +121,12 @@ def test_the_steps_of_the_law_equal_the_compiled_march_of_coulomb_pairs() -> Non
 
 @pytest.mark.slow
 def test_a_mixed_joint_balances_its_energy_and_agrees_with_the_balance() -> None:
-    laws = [
+    laws: list[ss.ContactLaw] = [
         coulomb([3e5], [1e5], [0.3], [8.0], [0.0]),
+        exponential([3e5], [1e5], [0.3], [8.0]),
         *(LAWS[name][0] for name in ("cubic", "jenkins", "iwan")),
     ]
-    pairs = ss.ContactPairs.with_laws(np.vstack([np.eye(3)] * 4), laws)
+    pairs = ss.ContactPairs.with_laws(np.vstack([np.eye(3)] * 5), laws)
     force = np.array([12.0, 5.0, 9.0])
     curve, march = both(pairs, force, harmonics=9)
     for row in np.eye(3):

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.contact.law.coulomb_period import CYCLES
+from stickslip.contact.law.friction_law import FrictionLaw
 from stickslip.contact.law.law import BoolArray, ContactCycle, ContactLaw, ContactState, IndexArray, LawPeriod, LawStep
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair
@@ -151,8 +152,8 @@ class ContactPairs:
         return motion
 
     def with_update(self, update: Update) -> ContactPairs:
-        """The pairs with another return of their Coulomb laws."""
-        laws = tuple(law.with_update(update) if isinstance(law, CoulombLaw) else law for law in self.laws)
+        """The pairs with another return of their laws of Coulomb friction."""
+        laws = tuple(law.with_update(update) if isinstance(law, FrictionLaw) else law for law in self.laws)
         return ContactPairs.with_laws(self.operator, laws, self.members)
 
     def with_constants(self, **constants: Any) -> ContactPairs:
@@ -273,7 +274,7 @@ class ContactPairs:
     def stuck_stiffness(self) -> FloatArray:
         """(3 * n_pairs,) N/m: k_t1, k_t2, k_n of each Coulomb pair, closed and stuck; the resting springs of others."""
         return self.collect(
-            lambda law: law.stuck_springs() if isinstance(law, CoulombLaw) else law.resting_springs(), (3,)
+            lambda law: law.stuck_springs() if isinstance(law, FrictionLaw) else law.resting_springs(), (3,)
         ).ravel()
 
     def resting_stiffness(self) -> FloatArray:
@@ -290,9 +291,9 @@ class ContactPairs:
         return self.collect(lambda law: law.undetermined(), (3,)).astype(bool)
 
     def walking(self) -> BoolArray:
-        """(n_pairs, 3) True for mean displacements that are the way of many cycles (:meth:`CoulombLaw.walking`)."""
+        """(n_pairs, 3) True for mean displacements that are the way of many cycles (:meth:`FrictionLaw.walking`)."""
         return self.collect(
-            lambda law: law.walking() if isinstance(law, CoulombLaw) else np.zeros((law.n_pairs, 3)), (3,)
+            lambda law: law.walking() if isinstance(law, FrictionLaw) else np.zeros((law.n_pairs, 3)), (3,)
         ).astype(bool)
 
     def walk(self, mean: FloatArray) -> FloatArray:
@@ -305,8 +306,8 @@ class ContactPairs:
         return np.asarray(CYCLES * (self.operator @ walk).reshape(-1, 3))
 
     def retaining(self) -> ContactPairs:
-        """The pairs with the tractions of their Coulomb laws retained; those that are released have none at rest."""
-        laws = tuple(law.retaining() if isinstance(law, CoulombLaw) else law for law in self.laws)
+        """The pairs with the tractions of their friction retained; those that are released have none at rest."""
+        laws = tuple(law.retaining() if isinstance(law, FrictionLaw) else law for law in self.laws)
         return ContactPairs.with_laws(self.operator, laws, self.members)
 
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:

@@ -20,40 +20,49 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.contact.law.coulomb_energy import dissipate_pairs
 from stickslip.contact.law.coulomb_events import corrected_limits
 from stickslip.contact.law.coulomb_kernel import CodeArray
+from stickslip.contact.law.coulomb_normal_tangent import normal_tangents
 from stickslip.contact.law.coulomb_period import CYCLES, settle_pairs
-from stickslip.contact.law.coulomb_tangent import Basis, tangent_pairs
+from stickslip.contact.law.coulomb_tangent import Basis, traction_tangents
 from stickslip.contact.law.law import ContactCycle
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
+from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 
 Update = Literal["tractrix", "radial"]
 # Floor of a divisor: a pair that is never closed has no positive limit.
 SMALLEST_LIMIT = 1e-300
+# chosen: with fewer pairs, to share them among threads costs more than it gains (some 12 us a pair, 50 us a share).
+PAIRS_OF_A_SHARE = 14
 MIN_SAMPLES = 8  # of a period; chosen: fewer cannot resolve a stick-slip cycle
 
 
-class CoulombConstants(Protocol):
-    """The constants of pairs that these functions read; see :class:`stickslip.contact.law.coulomb.CoulombLaw`."""
+class FrictionConstants(Protocol):
+    """The constants of friction under any normal force; see :class:`stickslip.contact.law.friction_law.FrictionLaw`."""
 
     @property
     def n_pairs(self) -> int: ...
     @property
-    def normal_stiffness(self) -> FloatArray: ...
-    @property
     def tangential_springs(self) -> FloatArray: ...
     @property
     def friction_coefficient(self) -> FloatArray: ...
-    @property
-    def offset_force(self) -> FloatArray: ...
-    @property
-    def normal_load(self) -> FloatArray: ...
     @property
     def closed_at_rest(self) -> NDArray[np.bool_]: ...
     @property
     def released(self) -> bool: ...
     @property
     def resting_traction(self) -> FloatArray: ...
+
+
+class CoulombConstants(FrictionConstants, Protocol):
+    """Those with linear normal springs; see :class:`stickslip.contact.law.coulomb.CoulombLaw`."""
+
+    @property
+    def normal_stiffness(self) -> FloatArray: ...
+    @property
+    def offset_force(self) -> FloatArray: ...
+    @property
+    def normal_load(self) -> FloatArray: ...
 
 
 @dataclass(frozen=True)
@@ -84,7 +93,7 @@ class HarmonicForce:
 
 
 @dataclass(frozen=True)
-class _Periods:
+class FrictionPeriods:
     """Periodic states, pair by pair: forces T and samples for sums (n_pairs, 2, n) N, step codes (n_pairs, n)."""
 
     forces: FloatArray
@@ -118,19 +127,9 @@ def harmonic_force(
         the result is NaN.
     """
     displacement = _coefficients(coefficients, pairs.n_pairs, samples)
-    width = displacement.shape[2]
-    analysis = analysis_matrix(width // 2, samples)
-    paths, means, limits = _sampled(displacement, pairs, samples)
-    periods = _periods(paths, means, limits, pairs, update)
+    limits = _limits(displacement, pairs, samples)
     force = np.empty_like(displacement)
-    force[:, :2] = (periods.samples.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
-    deviates = np.where(pairs.closed_at_rest, periods.deviates, (limits > 0.0).any(axis=1))
-    stuck = ~deviates & pairs.closed_at_rest
-    force[stuck, :2] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
-    if pairs.released:
-        force[stuck, :2, 0] = 0.0
-    else:
-        force[~stuck, :2, 0] -= pairs.resting_traction[~stuck]
+    force[:, :2], deviates, periods = friction_force(displacement, limits, pairs, update)
     force[:, 2] = pairs.normal_stiffness[:, None] * displacement[:, 2]
     force[:, 2, 0] += np.minimum(
         pairs.offset_force, 0.0
@@ -140,6 +139,7 @@ def harmonic_force(
         pressed = np.empty((int(opens.sum()), samples))
         corrected_limits(limits[opens], pressed)
         normal = pressed / pairs.friction_coefficient[opens, None]
+        analysis = analysis_matrix(displacement.shape[2] // 2, samples)
         force[opens, 2] = (normal - pairs.normal_load[opens, None]) @ analysis.T
     return HarmonicForce(force, periods.state, deviates, periods.closure, periods.starts)
 
@@ -163,17 +163,64 @@ def harmonic_tangent(
     require_choice("update", update, get_args(Update))
     chosen = np.arange(pairs.n_pairs)[np.asarray(select)]
     width = displacement.shape[2]
-    paths, means, limits = _sampled(displacement, pairs, samples)
-    springs, normal_stiffness = pairs.tangential_springs[chosen], pairs.normal_stiffness[chosen]
-    scales = np.column_stack([springs, pairs.friction_coefficient[chosen] * normal_stiffness])
+    limits = _limits(displacement, pairs, samples)
     if period_start is None:
         period_start = harmonic_force(displacement, pairs, samples, update).period_start
     tangent = np.zeros((len(chosen), 3, width, 3, width))
-    tangent_pairs(
-        paths[chosen], means[chosen], limits[chosen], _ratios(springs), scales, normal_stiffness,
-        update == "tractrix", pairs.released, _basis(width // 2, samples), period_start[chosen], tangent,
-    )  # fmt: skip
+    normal_tangents(limits[chosen], pairs.normal_stiffness[chosen], _basis(width // 2, samples), tangent)
+    slopes = np.repeat((pairs.friction_coefficient * pairs.normal_stiffness)[:, None], samples, axis=1)
+    friction_tangent(displacement, limits, slopes, pairs, chosen, update, period_start, tangent)
     return tangent
+
+
+def friction_force(
+    displacement: FloatArray, limits: FloatArray, pairs: FrictionConstants, update: Update
+) -> tuple[FloatArray, NDArray[np.bool_], FrictionPeriods]:
+    """Traction coefficients (n_pairs, 2, 2H+1) N less those at rest, which pairs deviate, and their periodic states.
+
+    ``displacement`` (n_pairs, 3, 2H+1) m, ``limits`` (n_pairs, n) N with their sign, at the samples of the period.
+    """
+    samples, width = limits.shape[1], displacement.shape[2]
+    paths, means = _sampled_paths(displacement, pairs, samples)
+    periods = _periods(paths, means, limits, pairs, update)
+    force = (periods.samples.reshape(-1, samples) @ analysis_matrix(width // 2, samples).T).reshape(-1, 2, width)
+    deviates = np.where(pairs.closed_at_rest, periods.deviates, (limits > 0.0).any(axis=1))
+    stuck = ~deviates & pairs.closed_at_rest
+    force[stuck] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
+    if pairs.released:
+        force[stuck, :, 0] = 0.0
+    else:
+        force[~stuck, :, 0] -= pairs.resting_traction[~stuck]
+    return force, deviates, periods
+
+
+def friction_tangent(
+    displacement: FloatArray,
+    limits: FloatArray,
+    limit_slopes: FloatArray,
+    pairs: FrictionConstants,
+    chosen: NDArray[np.int64],
+    update: Update,
+    period_start: FloatArray,
+    tangent: FloatArray,
+) -> None:
+    """Fill the rows of T1 and T2 of ``tangent`` (k, 3, 2H+1, 3, 2H+1) N/m, zero on entry, of the pairs ``chosen``.
+
+    ``limit_slopes`` (n_pairs, n) N/m: derivative of the limits by the closing at the samples.
+    """
+    samples = limits.shape[1]
+    paths, means = _sampled_paths(displacement, pairs, samples)
+    springs = pairs.tangential_springs[chosen]
+    ratios, basis = _ratios(springs), _basis(displacement.shape[2] // 2, samples)
+
+    def differentiate(start: int, stop: int) -> None:
+        part = chosen[start:stop]
+        traction_tangents(
+            paths[part], means[part], limits[part], ratios[start:stop], springs[start:stop], limit_slopes[part],
+            update == "tractrix", pairs.released, basis, period_start[part], tangent[start:stop],
+        )  # fmt: skip
+
+    in_shares(differentiate, len(chosen), PAIRS_OF_A_SHARE)
 
 
 def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Update = "tractrix") -> ContactCycle:
@@ -202,12 +249,18 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
             arguments=["displacement"],
         )
     _check_samples(motion.shape[0], MIN_SAMPLES, "displacement", "has")
+    return friction_cycle(motion, pairs.offset_force + pairs.normal_stiffness * motion[:, :, 2], pairs, update)
+
+
+def friction_cycle(
+    motion: FloatArray, load: FloatArray, pairs: FrictionConstants, update: Update = "tractrix"
+) -> ContactCycle:
+    """The period of a motion (n, n_pairs, 3) m under normal forces ``load`` (n, n_pairs) N, below zero in a gap."""
     springs = pairs.tangential_springs
     tangential = motion[:, :, :2]
     middle = tangential.mean(axis=0)
     closed = np.concatenate([tangential - middle, tangential[:1] - middle])
     paths, means = _drifting(np.ascontiguousarray((closed * springs).transpose(1, 2, 0)), springs * middle, pairs)
-    load = pairs.offset_force + pairs.normal_stiffness * motion[:, :, 2]
     limits = np.ascontiguousarray((pairs.friction_coefficient * load).T)
     periods = _periods(paths, means, limits, pairs, update)
     force = np.empty_like(motion)
@@ -219,12 +272,12 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
 
 
 def _periods(
-    paths: FloatArray, means: FloatArray, limits: FloatArray, pairs: CoulombConstants, update: Update
-) -> _Periods:
+    paths: FloatArray, means: FloatArray, limits: FloatArray, pairs: FrictionConstants, update: Update
+) -> FrictionPeriods:
     """March all pairs to their periodic states."""
     require_choice("update", update, get_args(Update))
     n_pairs, samples = limits.shape
-    periods = _Periods(
+    periods = FrictionPeriods(
         np.empty((n_pairs, 2, samples)),
         np.empty((n_pairs, 2, samples)),
         np.empty((n_pairs, samples), dtype=np.int8),
@@ -233,16 +286,22 @@ def _periods(
         np.empty(n_pairs),
         np.empty((n_pairs, 2)),
     )
-    settle_pairs(
-        paths, means, limits, _ratios(pairs.tangential_springs), update == "tractrix",
-        periods.forces, periods.samples, periods.modes, periods.state, periods.deviates, periods.closure,
-        periods.starts,
-    )  # fmt: skip
+    ratios = _ratios(pairs.tangential_springs)
+
+    def settle(start: int, stop: int) -> None:
+        part = slice(start, stop)
+        settle_pairs(
+            paths[part], means[part], limits[part], ratios[part], update == "tractrix",
+            periods.forces[part], periods.samples[part], periods.modes[part], periods.state[part],
+            periods.deviates[part], periods.closure[part], periods.starts[part],
+        )  # fmt: skip
+
+    in_shares(settle, n_pairs, PAIRS_OF_A_SHARE)
     periods.closure[:] /= np.maximum(limits.max(axis=1), SMALLEST_LIMIT)
     return periods
 
 
-def _drifting(paths: FloatArray, means: FloatArray, pairs: CoulombConstants) -> tuple[FloatArray, FloatArray]:
+def _drifting(paths: FloatArray, means: FloatArray, pairs: FrictionConstants) -> tuple[FloatArray, FloatArray]:
     """Paths (n_pairs, 2, n + 1) K (s - mean s) and means (n_pairs, 2) K mean s, as the sliders see them.
 
     A released slider is at the mean. Else the path begins with the traction at rest, and drifts: each cycle adds the
@@ -254,18 +313,21 @@ def _drifting(paths: FloatArray, means: FloatArray, pairs: CoulombConstants) -> 
     return paths + pairs.resting_traction[:, :, None] + drift, means
 
 
-def _sampled(
-    displacement: FloatArray, pairs: CoulombConstants, samples: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Tangential paths and means (:func:`_drifting`), and limits (n_pairs, n) mu (N0 + kn n)."""
+def _sampled_paths(displacement: FloatArray, pairs: FrictionConstants, samples: int) -> tuple[FloatArray, FloatArray]:
+    """Tangential paths and means (:func:`_drifting`)."""
     synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
     elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2]
     closed = np.vstack([synthesis[:, 1:], synthesis[:1, 1:]])
     paths = (elastic[:, :, 1:].reshape(-1, elastic.shape[2] - 1) @ closed.T).reshape(-1, 2, samples + 1)
-    paths, means = _drifting(paths, elastic[:, :, 0], pairs)
+    return _drifting(paths, elastic[:, :, 0], pairs)
+
+
+def _limits(displacement: FloatArray, pairs: CoulombConstants, samples: int) -> FloatArray:
+    """(n_pairs, n) mu (N0 + kn n)."""
     load = pairs.normal_stiffness[:, None] * displacement[:, 2]
     load[:, 0] += pairs.offset_force
-    return paths, means, (pairs.friction_coefficient[:, None] * load) @ synthesis.T
+    limits = pairs.friction_coefficient[:, None] * load
+    return np.asarray(limits @ synthesis_matrix(displacement.shape[2] // 2, samples).T)
 
 
 @lru_cache(maxsize=32)

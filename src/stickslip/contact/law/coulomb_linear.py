@@ -22,17 +22,18 @@ def coulomb_linear_steps(
     traction: FloatArray,
     springs: FloatArray,
     friction: FloatArray,
-    normal_stiffness: FloatArray,
-    offset_force: FloatArray,
+    load: FloatArray,
+    slope: FloatArray,
     tractrix: bool,
 ) -> LinearSteps:
     """The steps along a periodic motion (n, p, 3) m with the tractions (n, p, 2) N of its periodic state.
 
-    ``walk`` (p, 2) m is what each period adds to the tangential displacement.
-    ``springs`` (p, 2), ``friction``, ``normal_stiffness`` and ``offset_force`` (p,) are constants of the Coulomb law.
+    ``walk`` (p, 2) m is what each period adds to the tangential displacement. ``load`` (n, p) N is the normal force at
+    the samples, below zero in a gap, and ``slope`` (n, p) N/m its derivative by the closing. ``springs`` (p, 2) and
+    ``friction`` (p,) are constants of the law.
     """
     samples, n_pairs = displacement.shape[:2]
-    limits = friction * (offset_force + normal_stiffness * displacement[:, :, 2])
+    limits = friction * load
     steps = LinearSteps(
         np.empty((samples, n_pairs, 2, 2)),
         np.empty((samples, n_pairs, 2, 3)),
@@ -41,7 +42,7 @@ def coulomb_linear_steps(
     )
     ratios = springs / springs.max(axis=1)[:, None]
     _fill(
-        displacement, walk / samples, traction, limits, springs, friction * normal_stiffness, normal_stiffness,
+        displacement, walk / samples, traction, limits, springs, friction * slope, slope,
         ratios, tractrix, steps.keep, steps.by_end, steps.by_start, steps.normal,
     )  # fmt: skip
     return steps
@@ -84,7 +85,7 @@ def _fill(
         for pair in range(limits.shape[1]):
             start, end = limits[i, pair], limits[j, pair]
             closed = 0.5 * (_closed_part(end, start) + _closed_part(end, limits[k, pair]))
-            normal[j, pair] = closed * normal_stiffness[pair]
+            normal[j, pair] = closed * normal_stiffness[j, pair]
             d1 = springs[pair, 0] * (displacement[j, pair, 0] - displacement[i, pair, 0] + walk[pair, 0])
             d2 = springs[pair, 1] * (displacement[j, pair, 1] - displacement[i, pair, 1] + walk[pair, 1])
             t1, t2 = traction[i, pair, 0], traction[i, pair, 1]
@@ -98,5 +99,5 @@ def _fill(
                     keep[j, pair, row, column] = jacobian[row, column]
                     by_end[j, pair, row, column] = jacobian[row, 2 + column] * springs[pair, column]
                     by_start[j, pair, row, column] = -jacobian[row, 2 + column] * springs[pair, column]
-                by_end[j, pair, row, 2] = jacobian[row, 5] * limit_slope[pair]
-                by_start[j, pair, row, 2] = jacobian[row, 4] * limit_slope[pair]
+                by_end[j, pair, row, 2] = jacobian[row, 5] * limit_slope[j, pair]
+                by_start[j, pair, row, 2] = jacobian[row, 4] * limit_slope[i, pair]

@@ -89,13 +89,15 @@ def march_tangent(
     t2: float,
     basis: Basis,
     scale: FloatArray,
+    limit_slope: FloatArray,
     derivative: FloatArray,
     coefficients: FloatArray,
 ) -> tuple[float, float]:
     """March one period from sample 0 with the derivatives of the force; returns the force at the end.
 
     ``derivative`` (2, 3 * width + 2), width = 2 H + 1: by the coefficients of t1, t2, n and, last, by the two
-    components of the start; the start's on entry, the end's on return. ``scale`` = (k1, k2, mu kn).
+    components of the start; the start's on entry, the end's on return. ``scale`` = (k1, k2), and ``limit_slope`` (n,)
+    N/m is the derivative of the limit at a sample by the closing there.
     ``coefficients`` (width, 2, 3 * width + 2) gathers its Fourier analysis, with the corrections of events.
     """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
@@ -126,11 +128,11 @@ def march_tangent(
                 stick_jacobian(d1, d2, limit[i], limit[j], jacobian)
             theta, c1, c2 = event_jacobian(t1, t2, d1, d2, limit[i], limit[j], new1, new2, code, jacobian, local)
             if theta > 0.0:
-                gather_event(basis, i, j, theta, c1, c2, local, scale, derivative, coefficients)
+                gather_event(basis, i, j, theta, c1, c2, local, scale, limit_slope, derivative, coefficients)
             if code == OPEN:
                 derivative[:] = 0.0
             else:
-                carry(basis, i, j, scale, jacobian, derivative)
+                carry(basis, i, j, scale, limit_slope, jacobian, derivative)
                 store_sample(basis, j, derivative, slip_derivatives[count], slip_weights[count])
                 count += 1
         t1, t2 = new1, new2
@@ -156,6 +158,7 @@ def gather_event(
     c2: float,
     local: FloatArray,
     scale: FloatArray,
+    limit_slope: FloatArray,
     derivative: FloatArray,
     coefficients: FloatArray,
 ) -> None:
@@ -174,7 +177,7 @@ def gather_event(
             rows[k, axis * width] += factor / synthesis.shape[0]
             for q in range(1, width):
                 rows[k, axis * width + q] += factor * (synthesis[j, q] - synthesis[i, q])
-        before, after = local[k, 4] * scale[2], local[k, 5] * scale[2]
+        before, after = local[k, 4] * limit_slope[i], local[k, 5] * limit_slope[j]
         for q in range(width):
             rows[k, 2 * width + q] += after * synthesis[j, q] + before * synthesis[i, q]
     for p in range(width):
@@ -199,7 +202,13 @@ def store_sample(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def carry(
-    basis: Basis, previous: Index, j: Index, scale: FloatArray, jacobian: FloatArray, derivative: FloatArray
+    basis: Basis,
+    previous: Index,
+    j: Index,
+    scale: FloatArray,
+    limit_slope: FloatArray,
+    jacobian: FloatArray,
+    derivative: FloatArray,
 ) -> None:
     """Carry ``derivative`` over a step with ``jacobian`` (2, 6) from sample ``previous`` to sample ``j``."""
     synthesis = basis.synthesis
@@ -215,7 +224,7 @@ def carry(
             derivative[row, axis * width] += factor / synthesis.shape[0]
             for q in range(1, width):
                 derivative[row, axis * width + q] += factor * (synthesis[j, q] - synthesis[previous, q])
-        before, after = jacobian[row, 4] * scale[2], jacobian[row, 5] * scale[2]
+        before, after = jacobian[row, 4] * limit_slope[previous], jacobian[row, 5] * limit_slope[j]
         for q in range(width):
             derivative[row, 2 * width + q] += after * synthesis[j, q] + before * synthesis[previous, q]
 
@@ -227,6 +236,7 @@ def creeping_tangent(
     t2: float,
     basis: Basis,
     scale: FloatArray,
+    limit_slope: FloatArray,
     released: bool,
     ends: FloatArray,
     tangent: FloatArray,
@@ -241,7 +251,7 @@ def creeping_tangent(
     for c in (0, width):
         for row in range(2):
             derivative[row, c] *= CYCLES  # by the drift of one cycle
-    march_tangent(motion, t1, t2, basis, scale, derivative, fourier)
+    march_tangent(motion, t1, t2, basis, scale, limit_slope, derivative, fourier)
     for c in range(3 * width):
         share = 1.0
         if c == 0 or c == width:
@@ -255,7 +265,13 @@ def creeping_tangent(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def pair_tangent(
-    motion: Motion, basis: Basis, scale: FloatArray, released: bool, start: FloatArray, tangent: FloatArray
+    motion: Motion,
+    basis: Basis,
+    scale: FloatArray,
+    limit_slope: FloatArray,
+    released: bool,
+    start: FloatArray,
+    tangent: FloatArray,
 ) -> None:
     """Fill ``tangent`` (2, width, 3 * width): derivative of the tangential force coefficients after the cycles.
 
@@ -270,7 +286,7 @@ def pair_tangent(
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
     fourier = np.zeros((width, 2, columns))
     t1, t2 = start_force(motion, start[0], start[1])
-    t1, t2 = march_tangent(motion, t1, t2, basis, scale, derivative, fourier)
+    t1, t2 = march_tangent(motion, t1, t2, basis, scale, limit_slope, derivative, fourier)
     r11, r12, r21, r22, l1, l2 = start_jacobian(motion, start[0], start[1])
     p11, p12 = derivative[0, columns - 2], derivative[0, columns - 1]
     p21, p22 = derivative[1, columns - 2], derivative[1, columns - 1]
@@ -293,7 +309,7 @@ def pair_tangent(
         elif c < 2 * width:
             a2 = scale[1] * basis.synthesis[0, c - width] if c > width else 0.0
         else:
-            by_limit = scale[2] * basis.synthesis[0, c - 2 * width]
+            by_limit = limit_slope[0] * basis.synthesis[0, c - 2 * width]
             b1 += (p11 * l1 + p12 * l2) * by_limit
             b2 += (p21 * l1 + p22 * l2) * by_limit
         y1, y2 = a1 + CYCLES * b1, a2 + CYCLES * b2
@@ -304,77 +320,30 @@ def pair_tangent(
                 by1, by2 = fourier[p, row, columns - 2], fourier[p, row, columns - 1]
                 tangent[row, p, c] = fourier[p, row, c] + by1 * ends[0, c] + by2 * ends[1, c]
     if math.hypot(t1 - start[0], t2 - start[1]) > SAME_CYCLE * math.hypot(t1, t2):
-        creeping_tangent(motion, t1, t2, basis, scale, released, ends, tangent)
+        creeping_tangent(motion, t1, t2, basis, scale, limit_slope, released, ends, tangent)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def normal_tangent(limit: FloatArray, normal_stiffness: float, basis: Basis, tangent: FloatArray) -> None:
-    """Fill ``tangent`` (width, width): normal force coefficients by those of n; ``k_n`` acts while the limit is > 0."""
-    n, width = basis.synthesis.shape
-    tangent[:] = 0.0
-    start = 0
-    while start < n:
-        if limit[start] <= 0.0:
-            start += 1
-            continue
-        end = start + 1
-        while end < n and limit[end] > 0.0:
-            end += 1
-        if end - start == n:
-            for p in range(width):
-                tangent[p, p] = normal_stiffness
-            return
-        for p in range(width):
-            for q in range(width):
-                tangent[p, q] += normal_stiffness * (basis.products[end, p, q] - basis.products[start, p, q])
-        start = end
-    for j in range(n):
-        i = j - 1 if j > 0 else n - 1
-        if (limit[i] > 0.0) != (limit[j] > 0.0):
-            gather_opening(basis, i, j, limit[i], limit[j], normal_stiffness, tangent)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def gather_opening(
-    basis: Basis, i: int, j: int, first: float, last: float, normal_stiffness: float, tangent: FloatArray
-) -> None:
-    """Add the correction of the normal force where its limit passes zero between the samples ``i`` and ``j``.
-
-    ``first last / (2 |first - last|)``, at the instant of the passage (:func:`corrected_limits`).
-    """
-    square = (first - last) ** 2
-    theta, value = first / (first - last), 0.5 * first * last / abs(first - last)
-    sign = 0.5 if first < last else -0.5
-    by_first, by_last = sign * last * last / square, -sign * first * first / square
-    turn_first, turn_last = -last / square, first / square
-    for p in range(tangent.shape[0]):
-        place = (1.0 - theta) * basis.analysis[i, p] + theta * basis.analysis[j, p]
-        slope = (basis.analysis[j, p] - basis.analysis[i, p]) * value
-        for q in range(tangent.shape[1]):
-            change = (place * by_first + slope * turn_first) * basis.synthesis[i, q]
-            change += (place * by_last + slope * turn_last) * basis.synthesis[j, q]
-            tangent[p, q] += normal_stiffness * change
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def tangent_pairs(
+def traction_tangents(
     paths: FloatArray,
     means: FloatArray,
     limits: FloatArray,
     ratios: FloatArray,
     scales: FloatArray,
-    normal_stiffness: FloatArray,
+    limit_slopes: FloatArray,
     tractrix: bool,
     released: bool,
     basis: Basis,
     starts: FloatArray,
     tangents: FloatArray,
 ) -> None:
-    """Fill ``tangents`` (n_pairs, 3, width, 3, width), zero on entry, with the derivatives of T1, T2 and N."""
+    """Fill the derivatives of T1 and T2 in ``tangents`` (n_pairs, 3, width, 3, width), zero on entry.
+
+    ``limit_slopes`` (n_pairs, n) N/m are the derivatives of the ``limits`` (n_pairs, n) by the closing at each sample.
+    """
     width = basis.synthesis.shape[1]
     tangential = np.empty((2, width, 3 * width))
     for pair in range(limits.shape[0]):
-        normal_tangent(limits[pair], normal_stiffness[pair], basis, tangents[pair, 2, :, 2, :])
         ratio1, ratio2 = ratios[pair, 0], ratios[pair, 1]
         motion = Motion(paths[pair], means[pair, 0], means[pair, 1], limits[pair], ratio1, ratio2, tractrix)
         if sticks_throughout(motion):
@@ -382,7 +351,7 @@ def tangent_pairs(
                 tangents[pair, 0, q, 0, q] = scales[pair, 0]
                 tangents[pair, 1, q, 1, q] = scales[pair, 1]
             continue
-        pair_tangent(motion, basis, scales[pair], released, starts[pair], tangential)
+        pair_tangent(motion, basis, scales[pair], limit_slopes[pair], released, starts[pair], tangential)
         for row in range(2):
             for p in range(width):
                 for by in range(3):

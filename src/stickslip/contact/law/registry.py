@@ -11,12 +11,13 @@ from typing import Any
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.cubic_spring import CubicSpring
 from stickslip.contact.law.elastic_stop import ElasticStop
+from stickslip.contact.law.exponential import ExponentialContact
 from stickslip.contact.law.iwan import IwanJoint
 from stickslip.contact.law.jenkins import JenkinsElement
 from stickslip.contact.law.law import ContactLaw
 from stickslip.core.registry import Registry
 
-_OWN = {law.name: law for law in (CoulombLaw, CubicSpring, ElasticStop, IwanJoint, JenkinsElement)}
+_OWN = {law.name: law for law in (CoulombLaw, CubicSpring, ElasticStop, ExponentialContact, IwanJoint, JenkinsElement)}
 _LAWS: Registry[ContactLaw] = Registry("contact law", "stickslip.contact_laws", _OWN)
 
 register_contact_law = _LAWS.register

@@ -157,6 +157,10 @@ class MatrixModel:
         """Displacements (n, ...) from the unknowns (n, ...): they are equal, because none is constrained."""
         return vectors
 
+    def gather(self, load: FloatArray) -> FloatArray:
+        """Forces (n, ...) on the unknowns: they are equal, because none is constrained."""
+        return load
+
     def positions_of(self, nodes: ArrayLike) -> FloatArray | None:
         """(k, 3) m of nodes, None without positions. Raises InputError for a missing node."""
         if self.position is None:

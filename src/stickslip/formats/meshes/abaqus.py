@@ -21,6 +21,9 @@ from stickslip.formats.meshes.abaqus_keywords import (
     REFUSED,
     SILENT,
 )
+from stickslip.formats.meshes.abaqus_systems import SystemCards
+from stickslip.formats.meshes.abaqus_ties import TieCards
+from stickslip.formats.meshes.directions import basic_constraints, basic_loads
 from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.keyword_deck import Card, read_cards
 from stickslip.formats.meshes.raw_model import (
@@ -68,6 +71,10 @@ class _Reader:
         self._skipped: dict[str, int] = {}
         self._reported: set[str] = set()  # element types with another formulation
         self._step = 0
+        self._moved: list[int] = []  # lines of displacements other than 0
+        self._other_loads: list[int] = []  # lines of moments and other loads that act on no displacement
+        self._systems = SystemCards(self.raw, self._find)
+        self._ties = TieCards(self.raw, self._find)
         self._cards: dict[str, Callable[[Card], None]] = {
             "NODE": self._nodes,
             "ELEMENT": self._elements,
@@ -80,6 +87,8 @@ class _Reader:
             "DENSITY": self._density,
             "BOUNDARY": self._boundary,
             "CLOAD": self._load,
+            **self._systems.cards,
+            **self._ties.cards,
         }
 
     def take(self, card: Card) -> None:
@@ -106,9 +115,24 @@ class _Reader:
             members = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *pieces]))
             (raw.node_sets if what == "node" else raw.element_sets)[name] = members
         self._require_members()
+        frames = self._systems.frames()
+        raw.held, equations = basic_constraints(raw.held, frames)
+        raw.loads = basic_loads(raw.loads, frames)
+        self._ties.write(frames)
+        raw.ties.equations += equations
         raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
         if self._step > 1:
             raw.messages.append(f"the deck has {self._step} steps; constraints and forces are those of the first one.")
+        if self._moved:
+            raw.messages.append(
+                f"{len(self._moved)} lines of *BOUNDARY give displacements other than 0 (first in line "
+                f"{self._moved[0]}): stickslip uses the location only and sets them to 0."
+            )
+        if self._other_loads:
+            raw.messages.append(
+                f"{len(self._other_loads)} lines of *CLOAD and *BOUNDARY have directions above 3 of nodes without "
+                f"rotation, or above 6 (first in line {self._other_loads[0]}); they are ignored."
+            )
         if self._skipped:
             words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._skipped.items())
             raw.messages.append(f"ignored, without effect here: {words}.")
@@ -153,7 +177,7 @@ class _Reader:
                 card.fail(f"a node is a number and x, y, z, but the line has {len(values)} entries.", line)
             self._labels.append(card.label(values[0], line))
             xyz = [card.number(word or "0", line) for word in values[1:]]
-            self._coordinates.append(xyz + [0.0] * (3 - len(xyz)))
+            self._coordinates.append(self._systems.position(xyz + [0.0] * (3 - len(xyz))))
             self._lines.append(line)
         if "NSET" in card.parameters:
             self._add("node", card.parameter("NSET"), np.array(self._labels[first:], dtype=np.int64), card.line)
@@ -174,6 +198,10 @@ class _Reader:
             self._add("element", elset, labels, card.line)
         if solid is None:
             self._other_labels += labels.tolist()
+            self.raw.other_elements[name] = self.raw.other_elements.get(name, 0) + len(labels)
+            if name == "DCOUP3D":
+                self.raw.point_elements |= {row[0]: row[1] for row in rows}
+                return
             self.raw.messages.append(f"line {card.line}: {len(labels)} elements {name} have no volume; ignored.")
             return
         if not rows:
@@ -268,6 +296,7 @@ class _Reader:
         for line, words in card.data:
             if kind == "NODE":
                 self._add("node", name, self._find(card, "node", words[0], line), card.line)
+                self.raw.node_surfaces.add(self._names["node", name.upper()])
                 continue
             elements = self._find(card, "element", words[0], line)
             word = words[1].upper() if len(words) > 1 else ""
@@ -339,13 +368,14 @@ class _Reader:
                 continue
             start = card.label(first, line)
             stop = card.label(words[2], line) if len(words) > 2 and words[2] else start
-            if start > stop or stop > 6:
+            if start > stop:
                 card.fail(f"directions {start} to {stop} are not valid; directions are 1 to 6.", line)
+            if start > 6:  # temperatures and other unknowns
+                self._other_loads.append(line)
+                continue
             if len(words) > 3 and words[3] and card.number(words[3], line) != 0.0:
-                card.fail("a displacement other than 0 is not read. Give a force, or remove the line.", line)
-            directions = tuple(range(start - 1, min(stop, 3)))
-            if directions:
-                self.raw.held.append(RawConstraint(nodes, directions, line))
+                self._moved.append(line)
+            self.raw.held.append(RawConstraint(nodes, tuple(range(start - 1, min(stop, 6))), line))
 
     def _load(self, card: Card) -> None:
         if self._step > 1:
@@ -354,9 +384,10 @@ class _Reader:
             if len(words) < 3:
                 card.fail("a force is a node or node set, a direction and a value.", line)
             direction = card.label(words[1], line)
-            if direction > 3:
-                card.fail(f"direction {direction} is not one of 1, 2, 3; solid elements accept no moments.", line)
             nodes = self._find(card, "node", words[0], line)
+            if direction > 3:
+                self._other_loads.append(line)
+                continue
             self.raw.loads.append(RawLoad(nodes, direction - 1, card.number(words[2], line), line))
 
 

@@ -16,8 +16,22 @@ from stickslip.formats.meshes.raw_model import LARGEST_LABEL, LabelRange
 Row = tuple[int, list[str]]
 # Parameters that give a name to something, and those that refer to a set.
 _NAMES = {"NODE": "NSET", "ELEMENT": "ELSET", "NSET": "NSET", "ELSET": "ELSET", "SURFACE": "NAME"}
-_REFERENCES = {"NSET": "ELSET", "SOLID SECTION": "ELSET"}
-_FIRST_WORD = {"SURFACE", "BOUNDARY", "CLOAD"}  # their lines begin with a set or number
+_REFERENCES = {
+    "NSET": ("ELSET",),
+    "SOLID SECTION": ("ELSET",),
+    "RIGID BODY": ("REF NODE", "ROT NODE", "NSET", "ELSET", "PIN NSET", "TIE NSET"),
+    "COUPLING": ("REF NODE", "SURFACE"),
+    "KINEMATIC COUPLING": ("REF NODE",),
+    "DISTRIBUTING COUPLING": ("ELSET",),
+    "TRANSFORM": ("NSET",),
+}
+# Positions of the words in the lines of a card that are a set or number.
+_WORDS = {
+    **dict.fromkeys(("SURFACE", "BOUNDARY", "CLOAD", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING"), slice(0, 1)),
+    "TIE": slice(0, 2),
+    "EQUATION": slice(0, None, 3),
+    "MPC": slice(1, None),
+}
 
 _SMALLEST_OFFSET = 1000  # offsets are round, so that numbers stay easy to recognise
 
@@ -105,8 +119,9 @@ class _Writer:
         if parameters.get(_NAMES.get(kind, "")):
             name = plain_name(parameters[_NAMES[kind]])
             parameters[_NAMES[kind]] = f"{scope.name}.{name}" if scope.name else name
-        if parameters.get(_REFERENCES.get(kind, "")):
-            parameters[_REFERENCES[kind]] = self._reference(inner, card, parameters[_REFERENCES[kind]], card.line)
+        for parameter in _REFERENCES.get(kind, ()):
+            if parameters.get(parameter):
+                parameters[parameter] = self._reference(inner, card, parameters[parameter], card.line)
         data = card.data
         if kind == "NODE":
             data = _nodes(scope, card)
@@ -116,9 +131,18 @@ class _Writer:
             data = [row for line, words in data for row in _generated(inner, card, line, words)]
         elif kind in ("NSET", "ELSET"):
             data = [(line, [self._reference(inner, card, word, line) for word in words]) for line, words in data]
-        elif kind in _FIRST_WORD:
-            data = [(line, [self._reference(scope, card, words[0], line), *words[1:]]) for line, words in data]
+        elif kind in _WORDS:
+            data = [(line, self._with_references(scope, card, words, line)) for line, words in data]
         return replace(card, parameters=parameters, data=data)
+
+    def _with_references(self, scope: Scope, card: Card, words: list[str], line: int) -> list[str]:
+        """The words of a line with the sets and numbers of the flat deck."""
+        if card.keyword == "EQUATION" and len(words) == 1:
+            return words  # the number of terms
+        answer = list(words)
+        for at in range(*_WORDS[card.keyword].indices(len(words))):
+            answer[at] = self._reference(scope, card, words[at], line)
+        return answer
 
     def _named_instance(self, scope: Scope, card: Card) -> Scope:
         """The scope of what a set names: that of INSTANCE=, else that of the card."""

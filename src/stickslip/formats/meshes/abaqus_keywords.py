@@ -27,25 +27,18 @@ NOT_SOLID = {
     **dict.fromkeys(("S8", "S8R", "M3D8", "SFM3D8", "CPS8", "CPE8", "CAX8", "CPS8R", "CPE8R"), 8),
     **dict.fromkeys(("B31", "B31R", "T3D2", "SPRINGA", "DASHPOTA", "B21", "T2D2", "SPRING2", "GAPUNI", "CONN3D2"), 2),
     **dict.fromkeys(("B32", "B32R", "T3D3"), 3),
-    **dict.fromkeys(("MASS", "ROTARYI", "SPRING1"), 1),
+    **dict.fromkeys(("MASS", "ROTARYI", "SPRING1", "DCOUP3D"), 1),
     "R3D3": 3,
 }
-_TIES = (
-    "it ties nodes to each other, and the model would be another one without it. Remove it: constrain or load the set "
-    "of its nodes, merge meshes in the preprocessor, or make the faces an interface of the study"
-)
 # These change the meaning of a deck's numbers; the model would be wrong without them.
 REFUSED = {
     **dict.fromkeys(
-        (
-            *("EQUATION", "MPC", "TIE", "RIGID BODY", "COUPLING", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING"),
-            *("EMBEDDED ELEMENT", "CYCLIC SYMMETRY MODEL", "SHELL TO SOLID COUPLING", "FASTENER", "NETWORK MPC"),
-        ),
-        _TIES,
+        ("EMBEDDED ELEMENT", "SHELL TO SOLID COUPLING", "FASTENER", "NETWORK MPC"),
+        "it connects nodes to each other in a way that is not read, and the model would be another one without it. "
+        "Write it as *TIE, *COUPLING or *EQUATION, or remove it",
     ),
+    "CYCLIC SYMMETRY MODEL": "a sector that repeats round an axis is not read. Write the complete model",
     "NONSTRUCTURAL MASS": "its mass would be missing. Remove it, or add its mass to the density of the solids",
-    "SYSTEM": "node coordinates in another coordinate system are not read. Write all nodes in the global one",
-    "TRANSFORM": "directions of nodes other than x, y, z are not read. Write constraints and loads in the global ones",
     "PARAMETER": "parameters are not read. Write the numbers themselves",
     **dict.fromkeys(
         ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"),

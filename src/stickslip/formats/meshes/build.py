@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import scipy.spatial
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.build_ties import build_equations
 from stickslip.formats.meshes.element_checks import require_sound_elements
 from stickslip.formats.meshes.face_sets import build_face_sets
 from stickslip.formats.meshes.imported_model import ImportedModel
@@ -25,9 +28,11 @@ _ONE_PLACE = 1e-6  # fraction of a body's size below which two of its nodes coin
 def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     """Check a raw model and turn it into SI units. Raises ImportFileError that names file and entry."""
     if not raw.blocks:
+        others = ", ".join(f"{count} {name}" for name, count in raw.other_elements.items())
+        share = f": 0 % of the elements are solid ({others})" if others else ""
         raw.fail(
-            "there are no solid elements. stickslip reads linear and quadratic tetrahedra, wedges and hexahedra; "
-            "shells and beams have no volume."
+            f"there are no solid elements{share}. stickslip reads linear and quadratic tetrahedra, wedges and "
+            "hexahedra; shells and beams have no volume."
         )
     lost = np.flatnonzero(~(np.abs(units.length * raw.coordinates) < LARGEST_COORDINATE).all(axis=1))
     if lost.size:
@@ -42,7 +47,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     blocks = [*zip(raw.blocks, cells, strict=True)]
     require_sound_elements(raw, points, blocks)
     element_labels = np.concatenate([block.labels for block in raw.blocks])
-    messages = list(raw.messages)
+    messages = [*raw.messages, *_solid_share(raw)]
     names, body = _bodies(raw, cells, element_labels)
     ends = np.cumsum([len(block.labels) for block in raw.blocks])[:-1]
     cell_blocks = tuple(
@@ -56,6 +61,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     messages += _clashes(mesh, nodes, face_nodes)
     materials = _materials(raw, units, names, messages)
     messages += _parts(mesh)
+    equations = build_equations(raw, labels, mesh, units.length, messages)
     numbers = _NodeNumbers(raw, labels)
     return ImportedModel(
         mesh=mesh,
@@ -69,9 +75,22 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
         materials=materials,
         fixed_unknowns=_fixed(raw, numbers, len(labels)),
         node_forces=_forces(raw, units, numbers, len(labels)),
+        equations=equations,
         messages=tuple(messages),
         warnings=tuple(odd.sentence for odd in model_oddities(mesh, materials)),
     )
+
+
+def _solid_share(raw: RawModel) -> Iterator[str]:
+    """How many of the elements are solid, if not all are."""
+    if raw.other_elements:
+        solid = sum(len(block.labels) for block in raw.blocks)
+        total = solid + sum(raw.other_elements.values())
+        others = ", ".join(f"{count} {name}" for name, count in raw.other_elements.items())
+        yield (
+            f"{100.0 * solid / total:.3g} % of the elements are solid ({solid} of {total}); the others ({others}) add "
+            "no stiffness and no mass."
+        )
 
 
 def _used_nodes(raw: RawModel) -> tuple[IntArray, list[IntArray]]:
@@ -248,7 +267,8 @@ def _fixed(raw: RawModel, numbers: _NodeNumbers, n_nodes: int) -> IntArray:
     """Indices among the 3 * n_nodes displacements that the file constrains to zero."""
     constrained = np.zeros((n_nodes, 3), dtype=bool)
     for each in raw.held:
-        constrained[numbers.of(each.nodes, each.line)[:, None], list(each.directions)] = True
+        displacements = [direction for direction in each.directions if direction < 3]
+        constrained[numbers.of(each.nodes, each.line)[:, None], displacements] = True
     return np.flatnonzero(constrained)
 
 
@@ -257,6 +277,8 @@ def _forces(raw: RawModel, units: UnitSystem, node_numbers: _NodeNumbers, n_node
     forces = np.zeros((n_nodes, 3))
     for load in raw.loads:
         numbers = node_numbers.of(load.nodes, load.line)
+        if not numbers.size and raw.ties.any():
+            continue  # a reference node
         if not numbers.size:
             raw.fail(f"a force acts on node {raw.shown(load.nodes[0])}, which belongs to no solid element.", load.line)
         with np.errstate(over="ignore"):

@@ -11,6 +11,7 @@ from stickslip.core.errors import ImportFileError
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.raw_model import LabelRange, shown_label
 from stickslip.structure.elasticity import Material
+from stickslip.structure.equations import Equations
 from stickslip.structure.mesh import IntArray, Mesh
 
 
@@ -34,6 +35,8 @@ class ImportedModel:
         indices among the 3 * n_nodes displacements (node, then x, y, z) that the file constrains to zero.
     node_forces:
         (n_nodes, 3) N, the file's constant loads on nodes; zero where there is none.
+    equations:
+        ties, rigid bodies, couplings and equations of the file, None without any.
     length_unit, unit_system:
         units of the numbers of the file.
     messages:
@@ -53,6 +56,7 @@ class ImportedModel:
     fixed_unknowns: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     node_forces: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     label_ranges: tuple[LabelRange, ...] = ()
+    equations: Equations | None = None
     messages: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 

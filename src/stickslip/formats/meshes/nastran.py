@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from stickslip.formats.meshes.nastran_case import CaseControl, active_entries
 from stickslip.formats.meshes.nastran_grids import Grids, constrained_nodes
 from stickslip.formats.meshes.nastran_include import join_files
 from stickslip.formats.meshes.nastran_systems import SYSTEM_CARDS, Systems
+from stickslip.formats.meshes.nastran_ties import NastranTies
 from stickslip.formats.meshes.raw_model import (
     LinePositions,
     RawBlock,
@@ -40,12 +41,12 @@ _SHELLS = {"CTRIA3": 3, "CTRIAR": 3, "CTRIA6": 3, "CQUAD4": 4, "CQUADR": 4, "CQU
 _TO_VTK = {"wedge15": [*range(9), 12, 13, 14, 9, 10, 11], "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]}
 _SILENT = ("PSHELL", "PARAM", "EIGRL", "EIGR", "MDLPRM", "PCOMP")
 _TIES = (
-    "it ties nodes of solids to each other, and without it the model would be another one. Remove it; constrain, load "
-    "or pair the set of its nodes instead"
+    "it ties grids to each other in a way that is not read, and without it the model would be another one. Write it as "
+    "RBE2, RBE3, RBAR or MPC, or remove it"
 )
 _REJECTED = {
     "CPYRAM": "stickslip reads no pyramids, but tetrahedra, wedges (CPENTA) and hexahedra",
-    **dict.fromkeys(("RBE1", "RBE2", "RBE3", "RBAR", "RBAR1", "RROD", "RTRPLT", "RSPLINE", "RSSCON", "RJOINT"), _TIES),
+    **dict.fromkeys(("RBE1", "RBAR1", "RTRPLT", "RSPLINE", "RSSCON", "RJOINT"), _TIES),
 }
 _NAMES = (
     re.compile(r"\$HMNAME\s+PROP\s+(?P<number>\d+)\s*\"(?P<name>[^\"]+)\""),
@@ -69,6 +70,17 @@ def read_nastran(source: Path, includes_outside: bool = False) -> RawModel:
         for card in read_bulk(lines, places):
             reader.take(card)
         return reader.finished()
+
+
+def _frame_messages(raw: RawModel, labels: list[int]) -> Iterator[str]:
+    """How many grids of solids have directions of their own."""
+    parts = [np.empty(0, dtype=np.int64), *(block.cells.ravel() for block in raw.blocks)]
+    turned = np.intersect1d(labels, np.concatenate(parts))
+    if turned.size:
+        yield (
+            f"{turned.size} grids have a coordinate system of displacements (CD), the first of them {turned[0]}: "
+            "stickslip converts their constraints to x, y, z, the directions of all displacements."
+        )
 
 
 def _property_names(lines: list[str]) -> dict[int, str]:
@@ -110,6 +122,8 @@ class _Reader:
         self._constraints: dict[int, list[RawConstraint]] = {}
         self._combined: dict[str, dict[int, BulkCard]] = {"SPCADD": {}, "LOAD": {}}
         self._skipped: dict[str, int] = {}
+        self._moved: list[int] = []  # lines of displacements other than 0
+        self._ties = NastranTies()
         self._cards: dict[str, Callable[[BulkCard], None]] = {
             "GRID": self._grids.add,
             "GRDSET": self._grids.set_defaults,
@@ -126,14 +140,13 @@ class _Reader:
             "SET3": self._set3,
             **dict.fromkeys(_SOLIDS, self._solid),
             **dict.fromkeys(_SHELLS, self._shell),
+            **self._ties.cards,
         }
 
     def take(self, card: BulkCard) -> None:
         """Read one card."""
         if card.name in _REJECTED:
             card.fail(f"{_REJECTED[card.name]}.")
-        if card.name in ("MPC", "MPCADD") and self._case.ties_nodes():
-            card.fail(f"{_TIES}, or select no MPC in the case control.")
         if card.name in self._cards:
             self._cards[card.name](card)
         elif card.name not in _SILENT:
@@ -155,8 +168,15 @@ class _Reader:
             *active_entries(raw, self._case, "SPC", self._constraints, self._combined["SPCADD"]),
             *self._grids.permanent_constraints(),
         ]
-        solid_nodes = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(b.cells.ravel() for b in raw.blocks)]))
-        raw.held = self._grids.in_basic_directions(raw, constrained, self._systems, solid_nodes)
+        frames = self._grids.frames(raw, self._systems)
+        raw.held, raw.ties.equations = self._grids.in_basic_directions(raw, constrained, frames)
+        self._ties.write(raw, self._case, {label: rows for label, (rows, _) in frames.items()})
+        raw.messages += _frame_messages(raw, list(frames))
+        if self._moved:
+            raw.messages.append(
+                f"{len(self._moved)} SPC give displacements other than 0 (first in {raw.where(self._moved[0])}): "
+                "stickslip uses the location only and sets them to 0."
+            )
         loads: dict[int, list[RawLoad]] = {}
         for card in self._forces:
             loads.setdefault(card.integer(0), []).extend(self._nodal_force(card))
@@ -271,7 +291,7 @@ class _Reader:
         for at in (1, 4):
             if card.word(at):
                 if card.real(at + 2, 0.0) != 0.0:
-                    card.fail("a displacement other than 0 is not read. Give a force, or remove the entry.")
+                    self._moved.append(card.line)
                 self._constrain(card, card.word(at + 1), [card.integer(at)])
 
     def _spc1(self, card: BulkCard) -> None:

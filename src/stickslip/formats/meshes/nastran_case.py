@@ -9,12 +9,13 @@ from typing import TypeVar
 
 from stickslip.formats.meshes.bulk_data import BulkCard, start_of_bulk
 from stickslip.formats.meshes.raw_model import RawConstraint, RawLoad, RawModel
+from stickslip.formats.meshes.raw_ties import RawEquation
 
-Entry = TypeVar("Entry", RawConstraint, RawLoad)
+Entry = TypeVar("Entry", RawConstraint, RawLoad, RawEquation)
 
 _SELECTION = re.compile(r"\s*(?P<what>SPC|LOAD|MPC)\s*=\s*(?P<number>\d+)\s*", re.IGNORECASE)
-_ENTRIES = {"SPC": "SPC or SPC1", "LOAD": "FORCE"}
-_COMBINATION = {"SPC": "SPCADD", "LOAD": "LOAD"}
+_ENTRIES = {"SPC": "SPC or SPC1", "LOAD": "FORCE", "MPC": "MPC"}
+_COMBINATION = {"SPC": "SPCADD", "LOAD": "LOAD", "MPC": "MPCADD"}
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,12 @@ def active_entries(
     sets: Mapping[int, list[Entry]],
     combined: Mapping[int, BulkCard],
 ) -> list[Entry]:
-    """Constraints ("SPC") or forces ("LOAD") of the first set that the case control selects, else of all sets.
+    """Constraints ("SPC"), equations ("MPC") or forces ("LOAD") of the first set that the case control selects, else
+    of all sets.
 
-    ``sets`` contains them by the number of their set, ``combined`` the SPCADD or LOAD cards. Raises ImportFileError
-    for a selected or combined set of constraints that has no entries; for one of loads it adds a message, because the
-    set may contain loads of other kinds.
+    ``sets`` contains them by the number of their set, ``combined`` the SPCADD, MPCADD or LOAD cards. Raises
+    ImportFileError for a selected or combined set of constraints that has no entries; for one of loads it adds a
+    message, because the set may contain loads of other kinds.
     """
     chosen = case.selected.get(what, ())
     if not chosen:
@@ -76,8 +78,9 @@ def active_entries(
 
 
 def _combination(raw: RawModel, what: str, sets: Mapping[int, list[Entry]], card: BulkCard) -> Iterator[Entry]:
-    """Entries of the sets that SPCADD names, or of those of LOAD times the factor of each and the common factor."""
-    if what == "SPC":
+    """Entries of the sets that SPCADD or MPCADD names, or of those of LOAD times the factor of each and the common
+    factor."""
+    if what != "LOAD":
         parts = [(1.0, number) for number in card.numbers(1)]
     else:
         last = max((at for at, word in enumerate(card.fields) if word), default=0)
@@ -95,6 +98,6 @@ def _combination(raw: RawModel, what: str, sets: Mapping[int, list[Entry]], card
 
 def _report_missing_set(raw: RawModel, what: str, words: str, number: int, line: int) -> None:
     sentence = f"{words} there are no {_ENTRIES[what]} entries of set {number}"
-    if what == "SPC":
+    if what != "LOAD":
         raw.fail(f"{sentence}. Add them, or select another set.", line)
     raw.messages.append(f"{sentence}; stickslip reads no loads of other kinds.")

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.bulk_data import BulkCard
-from stickslip.formats.meshes.nastran_frames import Frame
+from stickslip.formats.meshes.directions import basic_constraints
 from stickslip.formats.meshes.nastran_systems import GridPosition, Systems
 from stickslip.formats.meshes.raw_model import RawConstraint, RawModel
-from stickslip.structure.cell_kinds import IntArray
+from stickslip.formats.meshes.raw_ties import RawEquation
 
 _CP, _CD, _PS = 1, 5, 6  # fields after the name
-_PARALLEL = 1e-9  # largest deviation from x, y, z of directions that count as equal to them
 
 
 class Grids:
@@ -87,76 +86,56 @@ class Grids:
                 answer.append(constrained_nodes(source, source.word(_PS), [card.integer(0)]))
         return answer
 
-    def in_basic_directions(
-        self, raw: RawModel, constraints: Iterable[RawConstraint], systems: Systems, solid_nodes: IntArray
-    ) -> list[RawConstraint]:
-        """Constraints in basic x, y, z from those in the directions that CD gives each grid.
-
-        The components of all constraints of a grid are combined: they can be converted to x, y, z if the constrained
-        directions span the same line, plane or space as some of x, y, z. Grids without a solid element are not in the
-        model, so their CD has no effect. A message reports the number of grids with a CD.
-
-        Raises ImportFileError for a CD that does not exist, and for constraints in other directions.
-        """
-        solid = set(solid_nodes.tolist())
-        frames: dict[int, tuple[int, Frame]] = {}  # label -> position, system
+    def frames(self, raw: RawModel, systems: Systems) -> dict[int, tuple[FloatArray, frozenset[int]]]:
+        """Directions 1, 2, 3 (3, 3) as rows of the grids with a CD, by label, and which of them have no direction."""
+        answer = {}
         for number, members in self._by_system(_CD).items():
             frame = systems.frame(number, self._card_with_field(self._cards[members[0]], _CD))
-            labels = raw.node_labels[members].tolist()
-            frames |= {label: (at, frame) for label, at in zip(labels, members, strict=True) if label in solid}
-        if not frames:
-            return [*constraints]
-        raw.messages.append(
-            f"{len(frames)} grids have a coordinate system of displacements (CD), the first of them {min(frames)}: "
-            "stickslip converts their constraints to x, y, z, the directions of all displacements."
-        )
-        answer: list[RawConstraint] = []
-        components: dict[int, set[int]] = {}
-        lines: dict[int, int] = {}
-        for entry in constraints:
-            turned = np.array([label in frames for label in entry.nodes.tolist()], dtype=bool)
-            for label in entry.nodes[turned].tolist():
-                components.setdefault(label, set()).update(entry.directions)
-                lines.setdefault(label, entry.line)
-            if not turned.all():
-                answer.append(RawConstraint(entry.nodes[~turned], entry.directions, entry.line))
-        for label, axes in components.items():
-            at, frame = frames[label]
-            directions = _basic_directions(frame, raw.coordinates[at], axes)
-            if directions is None:
-                self._cards[at].fail(
-                    f"grid {label} has its displacements in the system {self._system(self._cards[at], _CD)} (CD), and "
-                    f"the constraint in {raw.where(lines[label])} constrains {_words(axes)} of them, not along x, y or "
-                    "z at this position. Constrain 1, 2 and 3, or give the grid a CD with axes along x, y, z."
-                )
-            answer.append(RawConstraint(np.array([label], dtype=np.int64), directions, lines[label]))
+            for at in members:
+                answer[int(raw.node_labels[at])] = frame.directions(raw.coordinates[at])
         return answer
 
+    def in_basic_directions(
+        self,
+        raw: RawModel,
+        constraints: Iterable[RawConstraint],
+        frames: Mapping[int, tuple[FloatArray, frozenset[int]]],
+    ) -> tuple[list[RawConstraint], list[RawEquation]]:
+        """Constraints in basic x, y, z from those in the directions that CD gives each grid, and equations where these
+        span none of x, y, z. The components of all constraints of a grid are combined.
 
-def _basic_directions(frame: Frame, place: FloatArray, constrained: set[int]) -> tuple[int, ...] | None:
-    """Which of x, y, z (0, 1, 2) span the same as the directions ``constrained`` of a system; None if none do."""
-    rows, lacking = frame.directions(place)
-    if lacking & constrained and not lacking <= constrained:
-        return None
-    axes = rows[sorted(constrained)]
-    projector = axes.T @ axes
-    whole = np.round(projector)
-    if not np.abs(projector - whole).max() <= _PARALLEL:
-        return None
-    return tuple(np.flatnonzero(np.diag(whole)).tolist())
+        Raises ImportFileError for constraints along a direction that does not exist, on the axis of a system.
+        """
+        constraints = list(constraints)
+        components: dict[int, set[int]] = {}
+        for entry in constraints:
+            for label in entry.nodes.tolist():
+                if label in frames:
+                    components.setdefault(label, set()).update(entry.directions)
+        for label, chosen in components.items():
+            lacking = frames[label][1]
+            if lacking & chosen and not lacking <= chosen:
+                at = self._position[label]
+                line = next(entry.line for entry in constraints if label in entry.nodes)
+                self._cards[at].fail(
+                    f"grid {label} is on the axis of its system {self._system(self._cards[at], _CD)} (CD), so that "
+                    f"{_words(chosen)}, which {raw.where(line)} constrains, has no direction there. Constrain 1, 2 and "
+                    "3, or give the grid a rectangular system."
+                )
+        return basic_constraints(constraints, {label: rows for label, (rows, _) in frames.items()})
 
 
 def _words(components: set[int]) -> str:
-    numbers = [str(each + 1) for each in sorted(components)]
+    numbers = [str(each + 1) for each in sorted(components) if each < 3]
     return f"component{'s' if len(numbers) > 1 else ''} {' and '.join(numbers)}"
 
 
 def constrained_nodes(card: BulkCard, components: str, nodes: list[int]) -> RawConstraint:
-    """Constrained nodes along the translations among ``components``, of 1 to 6, as on a card.
+    """Constrained nodes along ``components``, of 1 to 6, as on a card.
 
     Raises ImportFileError for other components, and where there are none or no nodes.
     """
     if not nodes or not components or set(components) - set("123456"):
         card.fail(f'it requires components of 1 to 6 and grids, but it has "{components[:12]}" and {len(nodes)} grids.')
-    solid = tuple(sorted({int(each) - 1 for each in components if each in "123"}))
-    return RawConstraint(np.array(nodes, dtype=np.int64), solid, card.line)
+    directions = tuple(sorted({int(each) - 1 for each in components}))
+    return RawConstraint(np.array(nodes, dtype=np.int64), directions, card.line)

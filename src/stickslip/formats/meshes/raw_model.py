@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.core.errors import ImportFileError
 from stickslip.core.input_files import read_regular
 from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.raw_ties import RawTies
 from stickslip.structure.mesh import IntArray
 
 LARGEST_LABEL = 2**31  # numbers of nodes and elements stay below
@@ -76,7 +77,7 @@ class RawLoad:
 
 @dataclass(frozen=True)
 class RawConstraint:
-    """Nodes (k,) by label whose displacements along some directions 0, 1, 2 are zero."""
+    """Nodes (k,) by label whose displacements along some directions 0, 1, 2 are zero; 3, 4, 5 are rotations."""
 
     nodes: IntArray
     directions: tuple[int, ...]
@@ -143,7 +144,9 @@ def shown_label(label: int, ranges: tuple[LabelRange, ...]) -> str:
 class RawModel:
     """All entries of a file. Node and element labels are those of the file, or of the equivalent flat file.
 
-    Lines are those of ``source``; with ``places``, those of a text joined from several files.
+    Lines are those of ``source``; with ``places``, those of a text joined from several files. ``node_surfaces`` are
+    names of node sets that the file defines as surfaces, ``other_elements`` the number of elements of each type without
+    volume, and ``point_elements`` the node of each element of a distributing coupling.
     """
 
     source: Path
@@ -160,6 +163,10 @@ class RawModel:
     bodies: list[RawBody] = field(default_factory=list)
     held: list[RawConstraint] = field(default_factory=list)
     loads: list[RawLoad] = field(default_factory=list)
+    ties: RawTies = field(default_factory=RawTies)
+    node_surfaces: set[str] = field(default_factory=set)
+    other_elements: dict[str, int] = field(default_factory=dict)
+    point_elements: dict[int, int] = field(default_factory=dict)
     messages: list[str] = field(default_factory=list)
     places: LinePositions | None = None
     label_ranges: tuple[LabelRange, ...] = ()

@@ -1,4 +1,4 @@
-"""The damper of two blades as a wedge, in numbers and sentences: centrifugal force, loads of its faces, lock-up."""
+"""The damper of two blades in numbers and sentences: centrifugal force, mass, loads of its faces, lock-up."""
 
 from __future__ import annotations
 
@@ -6,8 +6,12 @@ from collections.abc import Iterator
 from math import degrees
 
 from stickslip.case.case import TwoBladeCase
+from stickslip.case.two_blade_sections import CylindricalSection, FlatSection
+from stickslip.contact.cylinder import holding_friction, line_loads, squeezed_line_loads
 from stickslip.contact.wedge import face_loads, is_locked, locking_angle, squeezed_loads
+from stickslip.model.kinds.dimensions import geometry_of
 from stickslip.model.layout import Derived
+from stickslip.model.rough_face import case_material
 
 
 def platform_angles(case: TwoBladeCase) -> tuple[float, float]:
@@ -17,18 +21,45 @@ def platform_angles(case: TwoBladeCase) -> tuple[float, float]:
 
 
 def damper_facts(case: TwoBladeCase) -> Iterator[Derived]:
-    """Centrifugal force from the mass, loads of the faces with and without friction, and the angle of lock-up."""
-    force, friction, angles = case.preload.damper_force, case.friction.coefficient, platform_angles(case)
+    """Centrifugal force from the mass, mass of the mesh, loads of the faces with and without friction, lock-up."""
+    force = case.preload.damper_force
     if case.preload.damper_mass is not None and force is not None:
         yield "Centrifugal force of the damper", force, "N", "mass, times radius, times speed of rotation squared"
+    mass = geometry_of(case).damper_volume * case_material(case).density
+    yield "Mass of the damper by its dimensions", 1e3 * mass, "g", "volume times density, as in the mesh"
+    if isinstance(case.damper, FlatSection):
+        yield from _flat_facts(case, force)
+    else:
+        yield from _inclined_facts(case, force)
+
+
+def _flat_facts(case: TwoBladeCase, force: float | None) -> Iterator[Derived]:
+    words = "it slides across the force; platforms cannot squeeze it"
+    yield "Lock-up of the damper", "none", "-", words
+    if force is not None:
+        limit = 0.5 * force * case.friction.coefficient
+        words = f"half of the centrifugal force times the friction coefficient; the normal load is {0.5 * force:.4g} N"
+        yield "Friction limit of each face", limit, "N", words
+
+
+def _inclined_facts(case: TwoBladeCase, force: float | None) -> Iterator[Derived]:
+    """A wedge or a cylinder between inclined faces."""
+    friction, angles = case.friction.coefficient, platform_angles(case)
+    is_cylinder = isinstance(case.damper, CylindricalSection)
     mean, limit = degrees(0.5 * sum(angles)), degrees(locking_angle(friction))
     words = f"mean platform angle from which friction {friction:g} locks the damper, 90 deg - atan(mu); here {mean:.4g}"
     yield "Platform angle of lock-up", limit, "deg", words
+    if is_cylinder:
+        words = "cot(mean angle): with more friction, platforms that approach each other cannot push it inwards"
+        yield "Friction coefficient of lock-up", holding_friction(angles), "-", words
+        words = "platforms that move in opposite directions along their slopes roll it without sliding"
+        yield "Rolling of the cylinder", "free", "-", words
     if force is None:
         return
-    squeezed = squeezed_loads(force, angles, friction)
+    resting = line_loads(force, angles) if is_cylinder else face_loads(force, angles)
+    squeezed = (squeezed_line_loads if is_cylinder else squeezed_loads)(force, angles, friction)
     for place, name in enumerate(("left face", "right face")):
-        without = f"{face_loads(force, angles)[place]:.4g} N without friction"
+        without = f"{resting[place]:.4g} N without friction"
         label = f"Normal load that moves the damper inwards, {name}"
         if squeezed is None:
             yield label, "unlimited", "N", f"friction locks the damper; {without}"

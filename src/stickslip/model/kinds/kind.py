@@ -49,6 +49,9 @@ class Kind(Protocol[CaseT]):
     def force_amplitude(self, case: CaseT) -> float:
         """N, the force by which a response is divided to compare several forces."""
 
+    def excitation_keys(self, case: CaseT) -> dict[str, float]:
+        """Key of each size of the excitation -> value in its SI unit; the response is proportional to all together."""
+
     def description(self, case: CaseT) -> str:
         """One sentence on excitation, load and friction."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,16 +20,25 @@ from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.plausible import OddValue, suspecting
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
+from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.own import OwnKind
+from stickslip.model.kinds.ties import (
+    StudyTies,
+    eliminated,
+    following_group,
+    reference_group,
+    require_independent,
+    study_ties,
+)
 from stickslip.model.layout import BaseMotionOfSupport, Derived, Layout, NodeGroup
 from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_joints
 from stickslip.structure.body_load import centrifugal_load, translation_inertia
+from stickslip.structure.constraints import Constraints
 from stickslip.structure.elasticity import Hexahedron, Material, Structure, assemble_bodies
 from stickslip.structure.faces import face_geometry
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import body_volumes, bounding_box, model_oddities
-from stickslip.structure.rigid_motions import part_motions
 
 PAIRS_FILE = "contact_pairs.vtu"
 
@@ -44,10 +53,17 @@ class MeshSetup:
     element: Hexahedron
     layout: Layout
     pairings: tuple[Pairing, ...]
+    constraints: Constraints | None = None
 
     def assemble(self) -> Structure:
         """Matrices of all bodies."""
-        return assemble_bodies(self.mesh, self.materials, self.element, fixed_unknowns=self.fixed_unknowns)
+        return assemble_bodies(
+            self.mesh,
+            self.materials,
+            self.element,
+            fixed_unknowns=self.fixed_unknowns,
+            constraints=self.constraints,
+        )
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Elements, nodes, bodies with their material and mass, named sets."""
@@ -74,7 +90,15 @@ class MeshSetup:
             ("face sets", ", ".join(sorted(mesh.face_sets)) or "none"),
             ("other sets", ", ".join(others) or "none"),
             ("constrained displacements", f"{self.fixed_unknowns.size}"),
+            *self._tied(),
         )
+
+    def _tied(self) -> tuple[tuple[str, str], ...]:
+        if self.constraints is None:
+            return ()
+        redundant = self.constraints.n_redundant
+        words = f"; {redundant} equations follow from others" if redundant else ""
+        return (("dependent displacements", f"{self.constraints.dependent_unknowns.size}{words}"),)
 
     def write_places(self, folder: Path) -> tuple[Path, ...]:
         """The pairs, and the points of their faces without a partner."""
@@ -97,9 +121,19 @@ class MeshKind(OwnKind[MeshCase]):
             fixed = _fixed_unknowns(case, source)
             pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
             require_single_joints(mesh, case.interfaces)
-            layout = _layout(case, source, materials, pairings, fixed, odd_values)
+            ties = study_ties(mesh, source.equations, case.ties)
+            named = dict(zip(case.interfaces, pairings, strict=True))
+            groups = _node_groups(case, source)
+            constraints = eliminated(ties, fixed, named, groups)
+            require_independent(constraints, source, named)
+            groups |= _following(case, source, groups, ties, constraints)
+            layout = _layout(case, source, materials, named, (fixed, constraints), groups, odd_values)
+            if ties is not None:
+                layout = replace(
+                    layout, messages=(*layout.messages, *ties.messages), facts=(*layout.facts, *ties.facts)
+                )
         element = case.structure.element or "incompatible"
-        return MeshSetup(mesh, materials, fixed, element, layout, pairings)
+        return MeshSetup(mesh, materials, fixed, element, layout, pairings, constraints)
 
     def find_layout(self, case: MeshCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the file; ``mesh`` must be that of :func:`set_up`."""
@@ -209,12 +243,13 @@ def _layout(
     case: MeshCase,
     source: ImportedModel,
     materials: Sequence[Material],
-    pairings: Sequence[Pairing],
-    fixed: IntArray,
+    named: Mapping[str, Pairing],
+    constrained: tuple[IntArray, Constraints | None],
+    node_groups: Mapping[str, NodeGroup],
     odd_values: tuple[OddValue, ...],
 ) -> Layout:
-    mesh, names = source.mesh, tuple(case.interfaces)
-    node_groups = {name: _node_group(source, name, section) for name, section in case.places.items()}
+    mesh, names, pairings = source.mesh, tuple(named), tuple(named.values())
+    fixed, constraints = constrained
     pairs = FacePairs.concatenate([each.pairs for each in pairings])
     body_load = None
     if case.rotation is not None:
@@ -229,8 +264,8 @@ def _layout(
                 ("base_motion",),
             )
         base_inertia = translation_inertia(mesh, materials)
-    _require_support(mesh, pairs, fixed, source)
-    _require_free(dict(zip(names, pairings, strict=True)), node_groups, fixed, source)
+    require_support(mesh, pairs, fixed, constraints, source)
+    _require_free(named, node_groups, fixed, source)
     messages = (
         *source.messages,
         *_unused_forces(source),
@@ -276,6 +311,39 @@ def _body_of(mesh: Mesh, name: str) -> int:
     return int(np.argmax(members))
 
 
+def _node_groups(case: MeshCase, source: ImportedModel) -> dict[str, NodeGroup]:
+    """The groups of all places but those of reference nodes."""
+    return {
+        name: _node_group(source, name, section)
+        for name, section in case.places.items()
+        if not _is_reference(source, section)
+    }
+
+
+def _is_reference(source: ImportedModel, section: PlaceSection) -> bool:
+    return section.node is not None and source.equations is not None and section.node in source.equations.places
+
+
+def _following(
+    case: MeshCase,
+    source: ImportedModel,
+    groups: Mapping[str, NodeGroup],
+    ties: StudyTies | None,
+    constraints: Constraints | None,
+) -> dict[str, NodeGroup]:
+    """The groups of reference nodes, and of single nodes that follow others. Raises InputError that names the entry."""
+    answer: dict[str, NodeGroup] = {}
+    if ties is None or constraints is None:
+        return answer
+    for name, section in case.places.items():
+        if name in groups:
+            answer[name] = following_group(groups[name], source.mesh, constraints)
+            continue
+        with _entry(name), concerning(f"{name}.node"):
+            answer[name] = reference_group(int(section.node or 0), ties.equations, constraints)
+    return answer
+
+
 def _node_group(source: ImportedModel, name: str, section: PlaceSection) -> NodeGroup:
     """The nodes of a place with their weights. Raises InputError that names the entry."""
     mesh = source.mesh
@@ -308,27 +376,6 @@ def _require_free(
                 (f"interfaces.{name}",),
             )
     for name, node_group in node_groups.items():
-        if np.isin(node_group.nodes, constrained).all() or (
-            node_group.is_single and np.isin(node_group.nodes, constrained).any()
-        ):
+        here = np.isin(node_group.nodes, constrained)
+        if node_group.blocks is None and (here.all() or (node_group.is_single and here.any())):
             raise InputError(f"{name}: its nodes are constrained and cannot move. Choose another position.", [name])
-
-
-def _require_support(mesh: Mesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
-    """Raise InputError for a part that neither a constraint nor contact supports, and for a part with a hinge."""
-    for part in part_motions(mesh, fixed):
-        element = f"the part of the mesh with element {source.shown(source.element_labels[part.cells[0]])}"
-        bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))
-        if part.is_hinged:
-            raise InputError(
-                f"{element} ({bodies}) consists of {part.n_regions} regions that are connected at nodes or edges only, "
-                "like hinges, so its stiffness is singular with any constraint. Connect their faces, or separate them.",
-                ("structure.file",),
-            )
-        in_contact = np.isin(pairs.nodes, mesh.nodes_of_cells(part.cells)).any()
-        if part.rigid and not in_contact:
-            raise InputError(
-                f"{element} ({bodies}) can move freely ({part.rigid} rigid-body motions): neither structure.fixed nor "
-                "a constraint of the file constrains it, and no interface touches it. Constrain, pair or remove it.",
-                ("structure.fixed",),
-            )

@@ -81,7 +81,7 @@ class OwnKind(Generic[OwnCaseT]):
             section = f"interfaces.{name}"
             named = None
             if each.other_law is not None and each.constants is not None:
-                named = NamedLaw(name, each.other_law, each.declaration, each.constants)
+                named = NamedLaw(name, each.other_law, each.declaration, each.constants, section)
             stiffness, law = common.stiffness, common.pressure_law
             if each.has_own_stiffness:
                 # A law may require one of the two alone; [contact_stiffness] gives the other one if it has it.
@@ -145,6 +145,15 @@ class OwnKind(Generic[OwnCaseT]):
         others = [each.mass_times_radius for each in case.unbalance.values()]
         others += [] if motion is None else [motion.amplitude]
         return max([each.amplitude for each in case.forces.values()] or others)
+
+    def excitation_keys(self, case: OwnCaseT) -> dict[str, float]:
+        """Key of each force, unbalance and motion of the support -> value in its SI unit."""
+        motion = self.base_motion(case)
+        return {
+            **{f"forces.{name}.amplitude": each.amplitude for name, each in case.forces.items()},
+            **{f"unbalance.{name}.mass_times_radius": each.mass_times_radius for name, each in case.unbalance.items()},
+            **({} if motion is None else {"base_motion.amplitude": motion.amplitude}),
+        }
 
     def description(self, case: OwnCaseT) -> str:
         """Excitations, normal loads and friction in one sentence."""

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from stickslip.case.case import TwoBladeCase
+from stickslip.case.law_constants import LawConstants, contact_law_declaration
+from stickslip.contact.constants import FRICTION, NORMAL_LOAD
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces
 from stickslip.contact.preload import prescribed_preload, uniform_preload
-from stickslip.core.errors import InputError, concerning, keys_of_section
+from stickslip.core.errors import InputError, keys_of_section
 from stickslip.core.validation import FloatArray
+from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import STARTING_PRESSURE, FaceSettings
+from stickslip.model.kinds.contact_lines import contact_lines, line_facts
 from stickslip.model.kinds.damper_words import damper_facts, damper_warnings
-from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.model.kinds.dimensions import about_dimensions, elements_of, geometry_of
+from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.model.layout import Derived, Direction, GroupForce, GroupUnbalance, Layout, NodeGroup, Output
 from stickslip.model.rough_face import case_material
 from stickslip.structure.body_load import centrifugal_load
@@ -64,7 +69,10 @@ class TwoBladeKind:
 
     def find_layout(self, case: TwoBladeCase, mesh: Mesh) -> Layout:
         """Contact pairs of both faces, left face first, and the places of forces and responses."""
-        pairs = FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
+        lines = contact_lines(case)
+        pairs = FacePairs.concatenate(
+            [pair_faces(mesh, *names) for names in FACES] if lines is None else lines.pairs(mesh, FACES)
+        )
         node_groups = {name: NodeGroup.single(int(mesh.node_set(name)[0])) for name in NODE_GROUPS}
         material = case_material(case)
         if _static_force(case):
@@ -86,8 +94,9 @@ class TwoBladeKind:
             node_groups,
             body_load,
             body_names=BODY_NAMES,
-            contact_sets=FACES,
+            contact_sets=FACES if lines is None else ((),) * len(FACES),
             odd_values=odd_values,
+            line_width=None if lines is None else lines.width,
         )
 
     def preload(self, case: TwoBladeCase, layout: Layout) -> FloatArray:
@@ -106,6 +115,9 @@ class TwoBladeKind:
         force = case.preload.damper_force
         if force is None:
             return STARTING_PRESSURE * face_pairs.area
+        lines = contact_lines(case)
+        if lines is not None:
+            return lines.preload(face_pairs)
         with keys_of_section("preload", {"friction_coefficient": "friction_coefficient_at_assembly"}):
             return uniform_preload(
                 force,
@@ -117,8 +129,20 @@ class TwoBladeKind:
             )
 
     def face_settings(self, case: TwoBladeCase) -> tuple[FaceSettings, ...]:
-        """Both faces follow [friction] and [contact_stiffness]."""
-        return (FaceSettings.of_case(case),) * len(FACES)
+        """Both faces follow [friction] and [contact_stiffness], or the lines of a cylinder Hertz."""
+        common, law, lines = FaceSettings.of_case(case), case.friction.other_law, contact_lines(case)
+        faces = (common,) * len(FACES)
+        if law is not None:
+            declared = contact_law_declaration(law)
+            none = LawConstants(declared.constants, {})
+            keys = {FRICTION: "friction.coefficient", NORMAL_LOAD: "preload"}
+            faces = tuple(
+                replace(common, contact_law=NamedLaw(name, law, declared, none, "friction", keys))
+                for name in FACE_NAMES
+            )
+        if lines is None or not common.is_pressed:
+            return faces
+        return tuple(replace(face, line=line) for face, line in zip(faces, lines.lines, strict=True))
 
     def rotation_speed(self, case: TwoBladeCase) -> float:
         """rad/s; 0 where nothing rotates."""
@@ -158,6 +182,10 @@ class TwoBladeKind:
         """N of each force."""
         return case.excitation.amplitude
 
+    def excitation_keys(self, case: TwoBladeCase) -> dict[str, float]:
+        """The amplitude of both forces."""
+        return {"excitation.amplitude": case.excitation.amplitude}
+
     def description(self, case: TwoBladeCase) -> str:
         """One sentence on force, load and friction."""
         kinds = {
@@ -174,8 +202,8 @@ class TwoBladeKind:
         return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {friction:g}."
 
     def facts(self, case: TwoBladeCase) -> tuple[Derived, ...]:
-        """Load and lock-up of the damper as a wedge."""
-        return tuple(damper_facts(case))
+        """Load, mass and lock-up of the damper; the contact lines of a cylinder."""
+        return (*damper_facts(case), *line_facts(case))
 
     def warnings(self, case: TwoBladeCase) -> tuple[str, ...]:
         """A damper that friction locks."""
@@ -188,18 +216,10 @@ class TwoBladeKind:
 
 def build_mesh(case: TwoBladeCase) -> Mesh:
     """Mesh of the two blades and the damper. Raises InputError for a geometry that does not fit."""
-    dimensions = case.geometry.model_dump()
-    dimensions["platform_angle_deg"] = float(np.degrees(dimensions.pop("platform_angle")))
-    right = dimensions.pop("right_platform_angle")
-    dimensions["right_platform_angle_deg"] = None if right is None else float(np.degrees(right))
-    counts = case.mesh.model_dump()
-    element = counts.pop("element")
-    with concerning("mesh"):
-        elements = BladePairElements(**counts)
-    angles = {f"{name}_deg": name for name in ("platform_angle", "right_platform_angle")}
-    with concerning("geometry"), keys_of_section("geometry", angles):
-        mesh = blade_pair_mesh(BladePairGeometry(**dimensions), elements)
-    return mesh.quadratic() if element == "serendipity" else mesh
+    geometry, elements = geometry_of(case), elements_of(case)
+    with about_dimensions():
+        mesh = blade_pair_mesh(geometry, elements)
+    return mesh.quadratic() if case.mesh.element == "serendipity" else mesh
 
 
 def _static_force(case: TwoBladeCase) -> float:
@@ -210,6 +230,8 @@ def _static_force(case: TwoBladeCase) -> float:
 def _edge_group(mesh: Mesh, name: str) -> NodeGroup:
     """A line along x with a uniform load."""
     nodes = mesh.node_set(name)
+    if nodes.size == 1:
+        return NodeGroup.single(int(nodes[0]))
     nodes = nodes[np.argsort(mesh.points[nodes, 0])]
     length = np.diff(mesh.points[nodes, 0])
     weights = np.zeros(nodes.size)

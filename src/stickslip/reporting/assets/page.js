@@ -26,6 +26,9 @@
   const facePairs = Array.from({ length: data.faces }, () => []);
   data.pairFace.forEach((face, pair) => facePairs[face].push(pair));
 
+  // The peak lies between computed points: at the nearest one its own frequency and amplitude are shown, as everywhere.
+  const frequencyAt = (point) => (point === data.point ? data.peakFrequency : data.frequency[point]);
+  const amplitudeAt = (point) => (point === data.point ? data.peakAmplitude : data.amplitude[point]);
   const hertz = (value) => value.toFixed(2) + " Hz";
   // text that plotly shows as it is: without its tags, entities and "%{x}"
   const escapes = { "&": "&amp;", "<": "&lt;", ">": "&gt;", "%": "&#37;" };
@@ -91,18 +94,15 @@
   /* ---- drawing ---- */
 
   const phone = window.matchMedia("(max-width: 520px)");
-  const options = {
-    responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "",
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
-  };
-  const stillOptions = { responsive: true, displayModeBar: false };
+  // Without plotly's toolbar, which covers legends; the tools of every page save figures and data.
+  const options = { responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: "" };
 
-  function draw(id, figure, plotOptions) {
+  function draw(id, figure) {
     if (phone.matches) {
       figure.layout.margin = Object.assign({}, figure.layout.margin, { l: 44, r: 6 });
       figure.layout.legend.font.size = 11;
     }
-    return Plotly.newPlot(element(id), figure.data, figure.layout, plotOptions);
+    return Plotly.newPlot(element(id), figure.data, figure.layout, options);
   }
 
   /* Before its figure is drawn a change goes into the figure itself: drawing once is quicker than drawing twice. */
@@ -125,7 +125,7 @@
     const x = [[data.frequency[chosen.point]]];
     restyle("curve", { x: x, y: [[data.amplitude[chosen.point]]] }, [figures.curve.data.length - 1]);
     restyle("energy-curve", { x: x, y: [[data.energyTotal[chosen.point]]] }, [figures["energy-curve"].data.length - 1]);
-    const text = hertz(data.frequency[chosen.point]) + " (" + (chosen.point + 1) + " of " + data.points + ")";
+    const text = hertz(frequencyAt(chosen.point)) + " (" + (chosen.point + 1) + " of " + data.points + ")";
     element("point-label").textContent = text;
     element("point").setAttribute("aria-valuetext", text);
   }
@@ -161,7 +161,7 @@
   function showMaps() {
     const held = nearest(data.mapPoints, chosen.point), point = data.mapPoints[held], row = held * data.nPairs;
     for (const now of document.querySelectorAll(".now")) {
-      now.textContent = hertz(data.frequency[point]) + ", " + digits(data.amplitude[point]) + " µm" +
+      now.textContent = hertz(frequencyAt(point)) + ", " + digits(amplitudeAt(point)) + " µm" +
         (point === data.point ? " (the peak)" : "") + (point === chosen.point ? "" :
           " (this page contains maps of " + data.mapPoints.length + " points; this is the nearest)");
     }
@@ -201,7 +201,7 @@
     let words = "";
     if (held < 0) words = " (loops of so many pairs would make this page too large; the results file contains them)";
     else if (point !== chosen.point) words = " (this page contains loops of " + loops.points.length + " points; this is the nearest)";
-    element("loop-now").textContent = data.lawStates[data.lawOfPair[chosen.pair]][states[entry]] + " at " + hertz(data.frequency[point]) + ", " +
+    element("loop-now").textContent = data.lawStates[data.lawOfPair[chosen.pair]][states[entry]] + " at " + hertz(frequencyAt(point)) + ", " +
       digits(energy[entry]) + " " + data.energyUnit + " per cycle" + words;
     if (held < 0) return;
     const cycle = pairCycle(held, chosen.pair);
@@ -299,10 +299,6 @@
       Plotly.relayout("curve", update);
       element("scale").textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
     });
-    // on paper the structure is a still picture
-    const plots = () => Array.from(document.querySelectorAll(".js-plotly-plot:not(#structure-plot)"));
-    window.addEventListener("beforeprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: 660, autosize: false })));
-    window.addEventListener("afterprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: null, autosize: true })));
   }
 
   showCurve(); showMaps(); showChoice(); showPair(); showGroups();
@@ -311,7 +307,7 @@
   /* One figure after the other, the curve first, so that each is seen as soon as it is drawn. */
   async function drawAll() {
     for (const [id, figure] of Object.entries(figures)) {
-      await draw(id, figure, id.includes("map") ? stillOptions : options);
+      await draw(id, figure);
       await new Promise((shown) => setTimeout(shown, 0));
     }
     listen();

@@ -177,7 +177,7 @@
     section.classList.add("live");
     figure.layout.scene.camera = cameraOf(data.views.whole);
     Plotly.newPlot(plot, figure.data, figure.layout, {
-      responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "", modeBarButtonsToRemove: ["tableRotation", "resetCameraLastSave3d", "hoverClosest3d"],
+      responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: "",
     }).then(function () {
       listen();
       section.dataset.ready = "live";

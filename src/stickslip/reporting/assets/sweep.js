@@ -5,10 +5,7 @@
   const element = (id) => document.getElementById(id);
   const figures = JSON.parse(element("page-figures").textContent);
   const phone = window.matchMedia("(max-width: 520px)");
-  const options = {
-    responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "",
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
-  };
+  const options = { responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: "" };
 
   function draw(id) {
     const figure = figures[id];
@@ -30,9 +27,6 @@
       });
       button.textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
     });
-    const plots = () => Array.from(document.querySelectorAll(".js-plotly-plot"));
-    window.addEventListener("beforeprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: 660, autosize: false })));
-    window.addEventListener("afterprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: null, autosize: true })));
   }
 
   Promise.all(Object.keys(figures).map(draw)).then(function () {

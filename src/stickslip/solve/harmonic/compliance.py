@@ -12,9 +12,9 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
@@ -26,11 +26,11 @@ from stickslip.solve.harmonic.damping import (
     modal_damping_matrix,
     stuck_stiffness_matrix,
 )
-from stickslip.solve.harmonic.gain import ComplexArray, CoupledGain, DiagonalGain, ModalGain, SelfExcitation, times_gain
+from stickslip.solve.harmonic.gain import CoupledGain, DiagonalGain, ModalGain, SelfExcitation
+from stickslip.solve.harmonic.harmonic_modes import HarmonicModes, IndexArray, NewtonOperator, SharedModes
 from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest, restrained
 from stickslip.structure.superelement import Superelement
 
-IndexArray = NDArray[np.int64]
 Origin = tuple[Superelement, float, float | None]
 
 # In Newton's matrix, modes above this multiple of the highest harmonic are springs: an error of 1/30^2 of their part of
@@ -53,44 +53,17 @@ class ExternalForce:
         return ExternalForce(self.modal + other.modal)
 
 
-@dataclass(frozen=True)
-class NewtonCompliance:
-    """``A`` for the Newton matrix: all m rows, and the columns on which the deviation can change (k of them).
+class StuckMean(Protocol):
+    """The response of a stuck structure on the mean: its pairs, and their compliance (m, m) there."""
 
-    Modes far above the excitation are springs here (see NEAR_RANGE).
-    """
-
-    mean: FloatArray  # (k, m)
-    far: FloatArray  # (k, m) static compliance of the far modes
-    left: FloatArray  # (m, p) near modes at all rows
-    right: FloatArray  # (k, p) near modes at the columns
-    gain: ComplexArray  # (H, p) or (H, p, p)
-
-    def apply(self, deviation: FloatArray) -> FloatArray:
-        """A @ deviation: (2H+1, m) from (2H+1, k)."""
-        answer = np.empty((deviation.shape[0], self.far.shape[1]))
-        answer[0] = deviation[0] @ self.mean
-        near = times_gain(self.gain, deviation[1:] @ self.right)
-        np.matmul(deviation[1:], self.far, out=answer[1:])
-        answer[1:] += near @ self.left.T
-        return answer
-
-    def apply_transposed(self, weights: FloatArray) -> FloatArray:
-        """A^T @ weights: (2H+1, k) from (2H+1, m). Each A_h is complex symmetric: the sines change sign twice."""
-        flipped = weights.copy()
-        flipped[2::2] *= -1.0
-        answer = np.empty((weights.shape[0], self.far.shape[0]))
-        answer[0] = self.mean @ flipped[0]
-        near = times_gain(self.gain, flipped[1:] @ self.left)
-        answer[1:] = flipped[1:] @ self.far.T + near @ self.right.T
-        answer[2::2] *= -1.0
-        return answer
-
-    def block(self, order: int, rows: IndexArray) -> ComplexArray:
-        """``A_h`` (rows, k) of harmonic ``order`` >= 1."""
-        gain, left = self.gain[order - 1], self.left[rows]
-        real, imaginary = (left @ part if part.ndim == 2 else left * part for part in (gain.real, gain.imag))
-        return np.asarray(real @ self.right.T + self.far[:, rows].T + 1j * (imaginary @ self.right.T))
+    @property
+    def pairs(self) -> ContactPairs: ...
+    @property
+    def mean(self) -> StaticFactor: ...
+    @property
+    def mean_restraint(self) -> float: ...
+    @property
+    def mean_contact(self) -> FloatArray: ...
 
 
 class Compliance:
@@ -100,19 +73,14 @@ class Compliance:
     without mean. The modes are mass-normalised: the Euclidean norm of an amplitude is the mass norm of its motion.
     """
 
-    def __init__(self, stuck: StuckStructure, gain: ModalGain) -> None:
+    def __init__(self, stuck: StuckMean, modes: HarmonicModes, gain: ModalGain) -> None:
         self.harmonics = gain.harmonics
         springs = stuck.pairs.resting_stiffness().reshape(-1, 3) * restrained(stuck.pairs)
         self._restraint = stuck.mean_restraint * springs[:, :2]
         self.gain = gain
-        self._modes = stuck.modes
+        self._modes = modes
         self._operator = stuck.pairs.operator
-        self._mean = stuck.mean
-        self._contact_modes, self._mean_contact = stuck.contact_modes, stuck.mean_contact
-        far = self._contact_modes[:, gain.near_modes :]
-        self._far = (far / stuck.circular_frequency[gain.near_modes :] ** 2) @ far.T
-        self._near_contact = np.ascontiguousarray(self._contact_modes[:, : gain.near_modes])
-        self._cached: tuple[bytes, FloatArray, FloatArray] | None = None
+        self._mean, self._mean_contact = stuck.mean, stuck.mean_contact
 
     def excited(self, by: SelfExcitation) -> Compliance:
         """The compliance under a self-excitation."""
@@ -127,15 +95,11 @@ class Compliance:
 
     def external(self, force: FloatArray) -> ExternalForce:
         """The modal form of a force (2H+1, n) without mean."""
-        return ExternalForce(force[1:] @ self._modes)
+        return ExternalForce(self._modes.of_force(force[1:]))
 
     def amplitude(self, omega: float, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
         """Modal amplitudes (2H, n) under an external force and ``-B^T deviation``, deviation (2H+1, m)."""
-        columns = np.flatnonzero(deviation[1:].any(axis=0))
-        if 2 * columns.size < deviation.shape[1]:
-            force = -(deviation[1:, columns] @ self._contact_modes[columns])
-        else:
-            force = -(deviation[1:] @ self._contact_modes)
+        force = -self._modes.of_contact(deviation[1:])
         if external is not None:
             force += external.modal
         return self.gain.answer(omega, force)
@@ -144,17 +108,17 @@ class Compliance:
         """``B u`` (2H+1, m) of amplitudes, with the mean under the deviation."""
         answer = np.empty((amplitude.shape[0] + 1, len(self._operator)))
         answer[0] = -(self._mean_contact @ deviation[0]) if deviation[0].any() else 0.0
-        np.matmul(amplitude, self._contact_modes.T, out=answer[1:])
+        self._modes.relative(amplitude, answer[1:])
         return answer
 
     def relative_of(self, motion: FloatArray) -> FloatArray:
         """(m,) relative displacements of a motion (n,) in the modes."""
-        return np.asarray(self._contact_modes @ motion)
+        return np.asarray(self._shared.contact @ motion)
 
     def amplitude_transposed(self, omega: float, weights: FloatArray) -> FloatArray:
         """Derivative (2H+1, m) of ``sum(weights * amplitude)`` by the deviation, for weights (2H, n)."""
         modal = self.adjoint_amplitude(omega, weights)
-        return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._contact_modes.T)])
+        return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._shared.contact.T)])
 
     def adjoint_amplitude(self, omega: float, weights: FloatArray) -> FloatArray:
         """Derivative (2H, n) of ``sum(weights * amplitude)`` by the modal forces, for weights (2H, n).
@@ -177,7 +141,7 @@ class Compliance:
 
     def output_modes(self, output: FloatArray) -> FloatArray:
         """The row ``output`` (n,) of the unknowns in modal coordinates, (n,)."""
-        return np.asarray(output @ self._modes)
+        return np.asarray(output @ self._shared.modes)
 
     def displacement(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
         """All unknowns (..., 2H+1, n) of amplitudes (..., 2H, n) and deviations (..., 2H+1, m)."""
@@ -185,16 +149,18 @@ class Compliance:
         answer = np.empty((*shape[:-2], shape[-2] + 1, shape[-1]))
         force = -(deviation[..., 0, :] @ self._operator)
         answer[..., 0, :] = self._mean.solve(force.T).T
-        answer[..., 1:, :] = (amplitude.reshape(-1, shape[-1]) @ self._modes.T).reshape(shape)
+        answer[..., 1:, :] = self._modes.displacement(amplitude)
         return answer
 
-    def newton(self, omega: float, columns: IndexArray) -> NewtonCompliance:
+    def newton(self, omega: float, columns: IndexArray) -> NewtonOperator:
         """A for the Newton matrix at ``omega``, for deviations on ``columns``."""
-        key = columns.tobytes()
-        if self._cached is None or self._cached[0] != key:
-            self._cached = key, self._mean_contact[columns], self._far[columns]
-        _, mean, far = self._cached
-        return NewtonCompliance(mean, far, self._near_contact, self._near_contact[columns], self.gain.near(omega))
+        return self._modes.newton(self._mean_contact, columns, self.gain.near(omega))
+
+    @property
+    def _shared(self) -> SharedModes:
+        """Modes that all harmonics share; analyses of an output do not accept others."""
+        assert isinstance(self._modes, SharedModes)
+        return self._modes
 
 
 @dataclass(frozen=True)
@@ -246,7 +212,8 @@ class StuckStructure:
         near = int(np.searchsorted(self.circular_frequency, near_range * harmonics * self.highest_omega))
         kind = DiagonalGain if self.modal_damping.ndim == 1 else CoupledGain
         gain = kind(self.circular_frequency, self.modal_damping, harmonics, near)
-        return Compliance(self, gain)
+        modes = SharedModes(self.modes, self.contact_modes, self.circular_frequency, near)
+        return Compliance(self, modes, gain)
 
 
 def stuck_structure(
@@ -289,8 +256,8 @@ def stuck_structure(
 
 
 def require_one_size(superelement: Superelement, pairs: ContactPairs) -> None:
-    """Raise InputError for an operator of another size than the structure."""
-    n = superelement.size
+    """Raise InputError for an operator of another size than the structure, and for a sector in its place."""
+    n = len(superelement.mass)  # a sector of a disk has a size, but no mass matrix: it raises its own error
     if pairs.operator.shape[1] != n:
         raise InputError(
             f"operator has {pairs.operator.shape[1]} columns, but the superelement has {n} unknowns; "

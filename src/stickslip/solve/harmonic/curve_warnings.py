@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, normal_work_warnings
@@ -160,12 +161,20 @@ def _residual(residuals: FloatArray) -> tuple[str, ...]:
 
 def _drift(balance: Balance, trials: Sequence[Trial]) -> tuple[str, ...]:
     """A warning where the restraint of the mean position carries a force that the model does not have."""
-    traction = max(float(np.abs(balance.compliance.restraint_force(t.relative[0])).sum()) for t in trials)
+    slipping = [trial for trial in trials if (trial.contact.state != ContactState.STUCK).any()]
+    forces = [float(np.abs(balance.compliance.restraint_force(trial.relative[0])).sum()) for trial in slipping]
+    traction = max(forces, default=0.0)  # where all pairs stick, they carry it
     limit = float(balance.pairs.largest_slip_force.sum())
     if traction <= LARGEST_RESTRAINT * limit:
         return ()
+    remedy = ""
+    if balance.pairs.released:
+        remedy = (
+            ', or solve the preload and keep its tractions (preload.method = "solved", residual_traction = "kept"), '
+            "which then support it"
+        )
     return (
         f"A body that only friction supports tends to drift: a mean force of {traction:.2e} N (friction limit "
         f"{limit:.2e} N) acts on it in a direction without support, and an artificial restraint carries this force. "
-        "Constrain that body along its free direction.",
+        f"Constrain that body along its free direction{remedy}.",
     )

@@ -18,6 +18,7 @@ from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 from stickslip.solve.path.problem import NO_PARAMETERS, Plane, Step
+from stickslip.solve.path.work import Work
 
 Control = Literal["amplitude", "phase"]
 
@@ -101,12 +102,15 @@ class BalanceCurve:
 class FrequencyCurve(BalanceCurve):
     """The response along the frequency under a constant force; the parameter is the circular frequency.
 
-    Curves that differ in their harmonics may share the ``last`` factor.
+    Curves that differ in their harmonics may share the ``last`` factor and the ``work``.
     """
 
-    def __init__(self, balance: Balance, load: float = 1.0, last: LastFactor | None = None) -> None:
+    def __init__(
+        self, balance: Balance, load: float = 1.0, last: LastFactor | None = None, work: Work | None = None
+    ) -> None:
         super().__init__(balance, last)
         self.load = load
+        self.work = work or Work()
 
     def at(self, unknowns: FloatArray, omega: float) -> BalancePoint:
         """The point at a circular frequency in rad/s."""
@@ -117,6 +121,7 @@ class FrequencyCurve(BalanceCurve):
         return BalancePoint(trial, parameters, NO_PARAMETERS, trial.error)
 
     def linearised(self, point: BalancePoint, plane: Plane | None) -> LinearisedBalance:
+        self.work.iterate(2 * self.balance.harmonics + 1)
         slopes = [self.balance.frequency_slope(point.trial)]
         system = NewtonSystem(self.balance, point.trial)
         return LinearisedBalance(BorderedSystem(system, slopes, [plane_row(plane, 1)], self._last_factor))
@@ -131,9 +136,10 @@ class FrequencyCurve(BalanceCurve):
 class LoadCurve(BalanceCurve):
     """The response at one frequency while the force grows; the parameter is the load, a factor of the force."""
 
-    def __init__(self, balance: Balance, omega: float) -> None:
+    def __init__(self, balance: Balance, omega: float, work: Work | None = None) -> None:
         super().__init__(balance)
         self.omega = omega
+        self.work = work or Work()
 
     def at(self, unknowns: FloatArray, load: float) -> BalancePoint:
         """The point at a load."""
@@ -144,6 +150,7 @@ class LoadCurve(BalanceCurve):
         return BalancePoint(trial, parameters, NO_PARAMETERS, trial.error)
 
     def linearised(self, point: BalancePoint, plane: Plane | None) -> LinearisedBalance:
+        self.work.iterate(2 * self.balance.harmonics + 1)
         slopes = [self.balance.load_slope(point.trial)]
         system = NewtonSystem(self.balance, point.trial)
         return LinearisedBalance(BorderedSystem(system, slopes, [plane_row(plane, 1)], self._last_factor))

@@ -7,8 +7,8 @@ import scipy.linalg
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array
-from stickslip.structure.superelement import Superelement
+from stickslip.core.validation import FloatArray
+from stickslip.structure.superelement import Superelement, require_rayleigh_factors
 
 # chosen: modal damping ratios apply up to this multiple of the highest excitation frequency, which includes the excited
 # modes and their harmonics but not modes that only deform the joint.
@@ -24,6 +24,7 @@ def stuck_stiffness_matrix(superelement: Superelement, pairs: ContactPairs) -> F
 def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
     """All modes of ``(K - w^2 M) phi = 0``: ``w`` (n,) rad/s ascending and mass-normalised ``phi`` (n, n).
 
+    The matrices are symmetric, or complex and Hermitian.
     Slightly negative eigenvalues of rigid-body modes (round-off) become zero. Raises InputError for a mass matrix that
     is not positive definite, or a stiffness matrix with a clearly negative eigenvalue.
     """
@@ -55,7 +56,7 @@ def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: f
 def modal_damping_matrix(mass: FloatArray, modes: FloatArray, modal: FloatArray) -> FloatArray:
     """``C = M phi diag(modal) phi^T M`` (n, n) N s/m for mass-normalised ``phi``."""
     weighted = mass @ modes
-    return np.asarray((weighted * modal) @ weighted.T)
+    return np.asarray((weighted * modal) @ weighted.conj().T)
 
 
 def rayleigh_damping_matrix(superelement: Superelement, mass_factor: float, stiffness_factor: float) -> FloatArray:
@@ -63,20 +64,14 @@ def rayleigh_damping_matrix(superelement: Superelement, mass_factor: float, stif
 
     ``mass_factor`` in 1/s and ``stiffness_factor`` in s, both not negative; InputError otherwise.
     """
-    factors = finite_array("Rayleigh damping factors", [mass_factor, stiffness_factor])
-    if (factors < 0).any():
-        raise InputError(
-            f"Rayleigh damping factors must not be negative, but mass_factor is {mass_factor:g} 1/s and "
-            f"stiffness_factor is {stiffness_factor:g} s.",
-            arguments=["mass_factor", "stiffness_factor"],
-        )
+    require_rayleigh_factors(mass_factor, stiffness_factor)
     return mass_factor * superelement.mass + stiffness_factor * superelement.stiffness
 
 
 def diagonal_modal_damping(damping: FloatArray, modes: FloatArray, tolerance: float = 1e-9) -> FloatArray | None:
     """Diagonal (n,) of ``phi^T C phi``, or None if the modes do not diagonalise ``damping`` to ``tolerance``."""
-    projected = modes.T @ damping @ modes
-    diagonal = np.diag(projected).copy()
+    projected = modes.conj().T @ damping @ modes
+    diagonal = np.diag(projected).real.copy()
     scale = np.sqrt(np.outer(np.abs(diagonal), np.abs(diagonal))) + np.abs(diagonal).max(initial=0.0) * 1e-12
     coupling = np.abs(projected - np.diag(diagonal))
     if (coupling <= tolerance * scale + 1e-300).all():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,6 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.structure.superelement import Superelement
 
 Orders = NDArray[np.int64]
@@ -38,18 +38,70 @@ class CurveMeasures:
         return CurveMeasures(*(getattr(self, field.name)[:count] for field in fields(self)))
 
 
+class EquationOfMotion(Protocol):
+    """The terms of the equation of motion, from coefficients (n_points, 2H+1, n) of the unknowns."""
+
+    def momentum(self, displacement: FloatArray) -> FloatArray:
+        """``M u``."""
+
+    def elastic_force(self, displacement: FloatArray) -> FloatArray:
+        """``K u``."""
+
+    def viscous_term(self, displacement: FloatArray) -> FloatArray:
+        """``C u``."""
+
+    def joint_force(self, contact: FloatArray) -> FloatArray:
+        """``B^T f`` of forces (n_points, 2H+1, m) of the pairs."""
+
+    def kinetic_energy(self, displacement: FloatArray, omega: FloatArray) -> FloatArray:
+        """(n_points,) ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)``."""
+
+
+@dataclass(frozen=True)
+class StructureEquation:
+    """The equation of a structure, with its damping matrix (n, n) and the operator (m, n) of its pairs."""
+
+    superelement: Superelement
+    damping: FloatArray
+    operator: FloatArray
+
+    def momentum(self, displacement: FloatArray) -> FloatArray:
+        """See :class:`EquationOfMotion`."""
+        return _product(displacement, self.superelement.mass)
+
+    def elastic_force(self, displacement: FloatArray) -> FloatArray:
+        """See :class:`EquationOfMotion`."""
+        return _product(displacement, self.superelement.stiffness)
+
+    def viscous_term(self, displacement: FloatArray) -> FloatArray:
+        """See :class:`EquationOfMotion`."""
+        return _product(displacement, self.damping)
+
+    def joint_force(self, contact: FloatArray) -> FloatArray:
+        """See :class:`EquationOfMotion`."""
+        return np.asarray(contact @ self.operator)
+
+    def kinetic_energy(self, displacement: FloatArray, omega: FloatArray) -> FloatArray:
+        """See :class:`EquationOfMotion`."""
+        first = displacement[:, 1:3]
+        energy: FloatArray = 0.5 * omega**2 * ((first @ self.superelement.mass) * first).sum(axis=(1, 2))
+        return energy
+
+
+def _product(displacement: FloatArray, matrix: FloatArray) -> FloatArray:
+    """Rows times a symmetric matrix, as one product."""
+    return np.asarray((displacement.reshape(-1, displacement.shape[-1]) @ matrix).reshape(displacement.shape))
+
+
 def measure_curve(
-    trials: Sequence[Trial],
-    balance_of: Callable[[int], Balance],
-    superelement: Superelement,
-    stuck: StuckStructure,
+    trials: Sequence[Trial], balance_of: Callable[[int], Balance], equation: EquationOfMotion
 ) -> CurveMeasures:
     """Displacement, energies per cycle, and the residual of the equation of motion itself, of points.
 
     ``balance_of(h)`` is the balance of the points with ``h`` harmonics; the displacement has zeros in those that a
     point lacks.
     """
-    parts = [_measure(chunk, balance_of(_harmonics(chunk[0])), superelement, stuck) for chunk in _chunks(trials)]
+    parts = [_measure(chunk, balance_of(_harmonics(chunk[0])), equation) for chunk in _chunks(trials)]
     rows = max(2 * _harmonics(trial) + 1 for trial in trials)
     widened = [with_rows(part.displacement.swapaxes(0, 1), rows).swapaxes(0, 1) for part in parts]
     return CurveMeasures(
@@ -76,9 +128,7 @@ def _chunks(trials: Sequence[Trial]) -> Iterator[Sequence[Trial]]:
             first = end
 
 
-def _measure(
-    trials: Sequence[Trial], balance: Balance, superelement: Superelement, stuck: StuckStructure
-) -> CurveMeasures:
+def _measure(trials: Sequence[Trial], balance: Balance, equation: EquationOfMotion) -> CurveMeasures:
     displacement = balance.displacement(trials)
     omega = np.array([trial.omega for trial in trials])
     order = np.arange(1, balance.harmonics + 1)[:, None]
@@ -94,23 +144,16 @@ def _measure(
     moves = np.array([trial.contact.moves.any(axis=1) for trial in trials])
     creeps = moves & balance.pairs.frictional().reshape(-1, 3).any(axis=1)
     by_direction[(state == ContactState.STUCK) & ~creeps] = 0.0
-    quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
-    viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
-    applied = balance.applied(trials) + _self_excitation(trials, displacement, superelement)
-    residual = _equation_residuals(trials, displacement, contact, applied, balance, superelement, stuck)
+    quadratic = balance.compliance.gain.viscous_power(np.array([trial.amplitude for trial in trials]))
+    viscous = np.pi * omega * (quadratic * order[:, 0] ** 2).sum(axis=1)
+    applied = balance.applied(trials) + _self_excitation(trials, displacement, equation)
+    residual = _equation_residuals(trials, displacement, contact, applied, balance, equation)
     # The input is the work of the force; its sign convention makes it positive where energy goes in.
     work_of_force = _work(order, displacement, applied).sum(axis=1) + (at_rest * walk).sum(axis=(1, 2))
-    kinetic = _kinetic_energy(displacement, omega, superelement)
+    kinetic = equation.kinetic_energy(displacement, omega)
     return CurveMeasures(
         displacement, by_direction.sum(axis=2), by_direction[:, :, 2], work_of_force, viscous, kinetic, residual
     )
-
-
-def _kinetic_energy(displacement: FloatArray, omega: FloatArray, superelement: Superelement) -> FloatArray:
-    """(n_points,) ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)`` of displacements (n_points, 2H+1, n)."""
-    first = displacement[:, 1:3]
-    energy: FloatArray = 0.5 * omega**2 * ((first @ superelement.mass) * first).sum(axis=(1, 2))
-    return energy
 
 
 def work_per_cycle(trial: Trial) -> FloatArray:
@@ -124,12 +167,12 @@ def _contact_force(trial: Trial) -> FloatArray:
     return np.asarray(trial.contact.force.reshape(trial.relative.shape[1], -1).T)
 
 
-def _self_excitation(trials: Sequence[Trial], displacement: FloatArray, superelement: Superelement) -> FloatArray:
+def _self_excitation(trials: Sequence[Trial], displacement: FloatArray, equation: EquationOfMotion) -> FloatArray:
     """(n_points, 2H+1, n) N, the force ``xi M u'`` that sustains nonlinear modes; zero for all other motions."""
     growth, omega = (np.array([getattr(trial, name) for trial in trials]) for name in ("growth", "omega"))
     force = np.zeros_like(displacement)
     if growth.any():
-        momentum = displacement @ superelement.mass
+        momentum = equation.momentum(displacement)
         order = np.arange(1, displacement.shape[1] // 2 + 1)[:, None]
         factor = (growth * omega)[:, None, None] * order
         force[:, 1::2], force[:, 2::2] = factor * momentum[:, 2::2], -factor * momentum[:, 1::2]
@@ -149,8 +192,7 @@ def _equation_residuals(
     contact: FloatArray,
     applied: FloatArray,
     balance: Balance,
-    superelement: Superelement,
-    stuck: StuckStructure,
+    equation: EquationOfMotion,
 ) -> FloatArray:
     """``|Z u + B^T f - p| / (|p| + |B^T f|)`` of each point over all harmonics, in the unknowns of the superelement.
 
@@ -159,13 +201,11 @@ def _equation_residuals(
     means = np.array([trial.relative[0] for trial in trials])
     contact = contact.copy()
     contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] += balance.compliance.restraint_force(means)
-    joint = contact @ balance.pairs.operator
+    joint = equation.joint_force(contact)
     order = np.arange(1, balance.harmonics + 1)[:, None] * np.array([trial.omega for trial in trials])[:, None, None]
-    size = displacement.shape[-1]
-    flat = displacement.reshape(-1, size)
-    left = (flat @ superelement.stiffness).reshape(displacement.shape) + joint - applied
-    inertia = (flat @ superelement.mass).reshape(displacement.shape)[:, 1:]
-    viscous = (flat @ stuck.damping).reshape(displacement.shape)[:, 1:]
+    left = equation.elastic_force(displacement) + joint - applied
+    inertia = equation.momentum(displacement)[:, 1:]
+    viscous = equation.viscous_term(displacement)[:, 1:]
     left[:, 1::2] += -(order**2) * inertia[:, 0::2] + order * viscous[:, 1::2]
     left[:, 2::2] += -(order**2) * inertia[:, 1::2] - order * viscous[:, 0::2]
     scale = np.linalg.norm(applied, axis=(1, 2)) + np.linalg.norm(joint, axis=(1, 2))

@@ -64,20 +64,27 @@ class BlockFactor:
 class LastFactor:
     """The last factored bordered system of a curve, as a preconditioner of the next ones.
 
-    Rows that it does not have stay as they are.
+    Rows that it does not have stay as they are. A curve stores no other large factor: steps that wait for another
+    attempt have systems, and the factor of each of them would take up to 0.5 GB.
     """
 
     def __init__(self) -> None:
         self._factor: Inverse | None = None
         self._keys = np.empty(0, dtype=np.int64)
+        self._owner: object = None
 
-    def store(self, factor: Inverse, keys: NDArray[np.int64]) -> None:
-        """The factor of a system with rows ``keys``, in their order (see :meth:`BorderedSystem.keys`)."""
-        self._factor, self._keys = factor, keys
+    def store(self, factor: Inverse, keys: NDArray[np.int64], owner: object = None) -> None:
+        """The factor of a system with rows ``keys``, in their order (see :meth:`BorderedSystem.keys`); exact for its
+        ``owner``."""
+        self._factor, self._keys, self._owner = factor, keys, owner
+
+    def of(self, owner: object) -> Factor | None:
+        """The factor of an owner, None if another one has replaced it."""
+        return self._factor if self._owner is owner and isinstance(self._factor, Factor) else None
 
     def forget(self) -> None:
         """Release a factor that no longer helps."""
-        self._factor = None
+        self._factor = self._owner = None
 
     def inverse(self, keys: NDArray[np.int64]) -> Product | None:
         """The inverse of the stored system on the rows of another one, None without a stored system."""

@@ -38,6 +38,13 @@ def to_real(amplitudes: ComplexArray) -> FloatArray:
     return coefficients
 
 
+def coupled(matrix: NDArray[Any], amplitudes: ComplexArray) -> ComplexArray:
+    """Products (H, n) of a matrix (n, n) that all harmonics share, or of those (H, n, n) of each, with amplitudes."""
+    if matrix.ndim == 2:
+        return np.asarray(amplitudes @ matrix.T)
+    return np.asarray(np.matmul(matrix, amplitudes[:, :, None])[:, :, 0])
+
+
 def times_gain(gain: ComplexArray, coefficients: FloatArray) -> FloatArray:
     """Coefficients (2H, m) after complex gains (H, m), or after gain matrices (H, m, m) that couple the columns."""
     if gain.ndim == 3:
@@ -126,7 +133,10 @@ class ModalGain(Protocol):
         """Gains of the lowest ``near_modes`` modes alone, for :func:`times_gain`."""
 
     def viscous_form(self, amplitude: FloatArray) -> FloatArray:
-        """``q C q`` of each row of amplitudes (..., n)."""
+        """``q C q`` of each row of amplitudes (..., n), for damping that all harmonics share."""
+
+    def viscous_power(self, amplitude: FloatArray) -> FloatArray:
+        """(..., H) ``q C q`` of the complex amplitudes of each harmonic, from coefficients (..., 2H, n)."""
 
 
 class _ModeGain:
@@ -147,7 +157,10 @@ class _ModeGain:
 
 
 class DiagonalGain(_ModeGain):
-    """Damping that the modes diagonalise: ``q_j = f_j / (w_j^2 - (h w)^2 + i h w c_j)``."""
+    """Damping that the modes diagonalise: ``q_j = f_j / (w_j^2 - (h w)^2 + i h w c_j)``.
+
+    Frequencies and damping are (n,), or (H, n) with those of each harmonic.
+    """
 
     def __init__(self, circular_frequency: FloatArray, damping: FloatArray, harmonics: int, near_modes: int) -> None:
         self.harmonics = harmonics
@@ -177,9 +190,14 @@ class DiagonalGain(_ModeGain):
     def viscous_form(self, amplitude: FloatArray) -> FloatArray:
         return np.asarray(amplitude**2 @ self._damping)
 
+    def viscous_power(self, amplitude: FloatArray) -> FloatArray:
+        if self._damping.ndim == 1:
+            return _of_both_parts(self.viscous_form(amplitude))
+        return _of_both_parts((amplitude**2 * np.repeat(self._damping, 2, axis=0)).sum(axis=-1))
+
 
 class CoupledGain(_ModeGain):
-    """Damping ``C`` (n, n) that couples the modes.
+    """Damping ``C`` (n, n) that couples the modes, or a Hermitian one (H, n, n) of each harmonic.
 
     The lowest modes are solved together, the others by an iteration over their coupling: above the excitation their
     damping is a small part of their stiffness. Where the iteration does not converge the whole system is factored.
@@ -189,11 +207,11 @@ class CoupledGain(_ModeGain):
         self.harmonics = harmonics
         self._damping = damping
         self.near_modes = near_modes
-        own = np.diag(damping)
+        own = np.einsum("...ii->...i", damping).real
         self._own = _OwnStiffness(circular_frequency**2, own, harmonics, None)
-        self._coupling = damping - np.diag(own)
+        self._coupling = damping - own[..., None] * np.eye(damping.shape[-1])
         self._far_coupling = self._coupling.copy()
-        self._far_coupling[:near_modes, :near_modes] = 0.0
+        self._far_coupling[..., :near_modes, :near_modes] = 0.0
         self._order = np.arange(1, harmonics + 1)[:, None]
         self._cached: tuple[float, ComplexArray, ComplexArray] | None = None
 
@@ -202,7 +220,7 @@ class CoupledGain(_ModeGain):
         cached."""
         if self._cached is None or self._cached[0] != omega:
             p, own = self.near_modes, self._own.at(omega)
-            block = 1j * (self._order * omega)[:, :, None] * self._coupling[:p, :p]
+            block = 1j * (self._order * omega)[:, :, None] * self._coupling[..., :p, :p]
             block[:, np.arange(p), np.arange(p)] = own[:, :p]
             self._cached = omega, np.asarray(np.linalg.inv(block), dtype=complex), np.asarray(1.0 / own[:, p:])
         return self._cached[1], self._cached[2]
@@ -216,7 +234,7 @@ class CoupledGain(_ModeGain):
 
         amplitude = inner(force)
         for _ in range(COUPLING_ITERATIONS):
-            improved = inner(force - 1j * x * (amplitude @ self._far_coupling.T))
+            improved = inner(force - 1j * x * coupled(self._far_coupling, amplitude))
             change = np.linalg.norm(improved - amplitude)
             amplitude = improved
             if change <= COUPLING_TOLERANCE * np.linalg.norm(amplitude):
@@ -229,7 +247,7 @@ class CoupledGain(_ModeGain):
 
     def slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
         motion = to_complex(amplitude)
-        change = self._own.by_frequency(omega) * motion + 1j * self._order * (motion @ self._coupling.T)
+        change = self._own.by_frequency(omega) * motion + 1j * self._order * coupled(self._coupling, motion)
         return to_real(self._solve(omega, -change))
 
     def growth_slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
@@ -240,3 +258,14 @@ class CoupledGain(_ModeGain):
 
     def viscous_form(self, amplitude: FloatArray) -> FloatArray:
         return np.asarray(((amplitude @ self._damping) * amplitude).sum(axis=-1))
+
+    def viscous_power(self, amplitude: FloatArray) -> FloatArray:
+        if self._damping.ndim == 2:
+            return _of_both_parts(self.viscous_form(amplitude))
+        motion = amplitude[..., 0::2, :] - 1j * amplitude[..., 1::2, :]
+        return np.asarray((motion.conj() * np.einsum("hij,...hj->...hi", self._damping, motion)).sum(axis=-1).real)
+
+
+def _of_both_parts(form: FloatArray) -> FloatArray:
+    """(..., H) sums of a quadratic form (..., 2H) of the cosines and of the sines."""
+    return np.asarray(form[..., 0::2] + form[..., 1::2])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
@@ -20,8 +22,28 @@ ON_RESONANCE = 1e-6  # chosen: the linear curves have no point nearer to a natur
 POSSIBLY_RIGID = 1e-4  # chosen: slower modes, over the highest frequency, are tested for strain
 
 
+class Limit(Protocol):
+    """A linear limit as results show it."""
+
+    @property
+    def natural_hz(self) -> FloatArray:
+        """(n,) natural frequencies."""
+
+    @property
+    def rigid(self) -> NDArray[np.bool_]:
+        """(n,) whether a mode is a motion of a free body."""
+
+    def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
+        """Largest modal damping ratio inside a window; None without modes there."""
+
+    def response_to(self, omega: FloatArray, force: ExcitationForce) -> FloatArray:
+        """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is zero."""
+
+
 class LinearLimit:
     """Harmonic response of ``M u'' + C u' + K u = p`` for many frequencies from one eigen-decomposition.
+
+    Matrices and modes may be complex and Hermitian; :meth:`modal` and the frequencies are then those of a harmonic.
 
     ``C`` may couple the modes: with the projected ``C = D + O`` (diagonal and rest) the modal amplitudes solve ``(w^2 -
     x^2 + i x D) q = f - i x O q``, iterated to 1e-10; where the iteration does not converge the full complex system is
@@ -40,11 +62,11 @@ class LinearLimit:
         ``rigid`` (n,) marks modes of bodies that move freely; None for none.
         """
         self.circular_frequency, self.modes = circular_frequency, modes
-        self.rigid = np.zeros(circular_frequency.size, dtype=bool) if rigid is None else rigid
+        self.rigid: NDArray[np.bool_] = np.zeros(circular_frequency.size, dtype=bool) if rigid is None else rigid
         if modal_damping.ndim == 1:
             self._diagonal, self._coupling = modal_damping, None
         else:
-            self._diagonal = np.diag(modal_damping).copy()
+            self._diagonal = np.diag(modal_damping).real.copy()
             self._coupling = modal_damping - np.diag(self._diagonal)
 
     @classmethod
@@ -55,7 +77,7 @@ class LinearLimit:
         slow = circular_frequency <= POSSIBLY_RIGID * circular_frequency.max()
         rigid = np.zeros(slow.size, dtype=bool)
         rigid[slow] = moves_freely(stiffness, modes[:, slow])
-        return cls(circular_frequency, modes, modes.T @ damping @ modes, rigid)
+        return cls(circular_frequency, modes, modes.conj().T @ damping @ modes, rigid)
 
     @property
     def natural_hz(self) -> FloatArray:
@@ -95,7 +117,7 @@ class LinearLimit:
         for power, array in force.terms:
             modal = to_complex(array[1:] @ self.modes)
             for order in np.flatnonzero(modal.any(axis=1)) + 1:
-                signal = omega**power * (row @ self._modal(order * omega, modal[order - 1]))
+                signal = omega**power * (row @ self.modal(order * omega, modal[order - 1]))
                 answer[:, 2 * order - 1] += signal.real
                 answer[:, 2 * order] -= signal.imag
         return answer
@@ -111,12 +133,12 @@ class LinearLimit:
         amplitudes = to_complex(force[1:])
         answer = np.zeros((omega.size, force.shape[1], force.shape[0]))
         for order in np.flatnonzero(np.abs(amplitudes).any(axis=1)) + 1:
-            motion = _product(self.modes, self._modal(order * omega, self.modes.T @ amplitudes[order - 1]))
+            motion = _product(self.modes, self.modal(order * omega, self.modes.conj().T @ amplitudes[order - 1]))
             answer[:, :, 2 * order - 1] = motion.real.T
             answer[:, :, 2 * order] = -motion.imag.T
         return answer
 
-    def _modal(self, x: FloatArray, force: ComplexArray) -> ComplexArray:
+    def modal(self, x: FloatArray, force: ComplexArray) -> ComplexArray:
         """Modal amplitudes (n_modes, n_frequencies), complex."""
         gain = 1.0 / (self.circular_frequency[:, None] ** 2 - x**2 + 1j * x * self._diagonal[:, None])
         modal = gain * force[:, None]
@@ -140,7 +162,7 @@ def _product(matrix: FloatArray, amplitudes: ComplexArray) -> ComplexArray:
 
 
 def linear_curves(
-    stuck: LinearLimit, free: LinearLimit, force: ExcitationForce, window_hz: tuple[float, float], shown_modes: int = 12
+    stuck: Limit, free: Limit, force: ExcitationForce, window_hz: tuple[float, float], shown_modes: int = 12
 ) -> LinearCurves:
     """Stuck and free response to ``force`` over the window, refined around their natural frequencies."""
     natural_hz = np.concatenate([stuck.natural_hz, free.natural_hz])

@@ -177,7 +177,8 @@ class BorderedSystem:
         self._columns = self._columns.reshape(len(rows), system.size)
         self._lines = np.array(lines).reshape(len(rows), system.size)
         self._corner = np.array(corner).reshape(len(rows), len(slopes))
-        self._factor: Factor | None = None
+        self._factor: Factor | None = None  # of a small system; a large one is only in ``last``
+        self._name = object()
 
     def solve(self, residual: FloatArray, values: FloatArray, tolerance: float) -> Step:
         """The step for a residual (2H+1, m) and the values (k,) of the rows, to a relative ``tolerance``.
@@ -191,7 +192,7 @@ class BorderedSystem:
             along = 0.0 if row.relative is None else float(np.vdot(row.relative, residual))
             right[system.size + i] = scale * (float(value) + along)
         answer = None
-        if system.size > DIRECT_SIZE and self._factor is None:
+        if system.size > DIRECT_SIZE and self._last.of(self._name) is None:
             answer = self._iterated(right, tolerance)
         if answer is None:
             answer = self._factored(right)
@@ -309,15 +310,19 @@ class BorderedSystem:
 
     def _whole_factor(self) -> Factor:
         """The factor of the bordered matrix."""
-        if self._factor is None:
-            size = self.system.size
+        factor, large = self._factor or self._last.of(self._name), self.system.size > DIRECT_SIZE
+        if factor is None:
+            if large:
+                self._last.forget()  # before the next one takes as much memory
             bordered = self.system.matrix(borders=len(self._rows))
             self._border(bordered, slice(None))
             # A singular matrix gives a step that is not finite; Newton ends there and reports it.
-            self._factor = Factor(bordered)
-            if size > DIRECT_SIZE:
-                self._last.store(self._factor, self.keys())
-        return self._factor
+            factor = Factor(bordered)
+            if large:
+                self._last.store(factor, self.keys(), self._name)
+            else:
+                self._factor = factor
+        return factor
 
 
 class EliminatedSystem(BorderedSystem):
@@ -352,6 +357,7 @@ class EliminatedSystem(BorderedSystem):
             answer = self._solved(self.system.apply, keys, right, tolerance)
             if answer is not None:
                 return answer
+            self._last.forget()
             self._inner_factor = Factor(self.system.matrix())
             self._last.store(self._inner_factor, keys)
         return self._inner_factor.solve(right)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import ExcitationForce
-from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.path.landmarks import Landmark
@@ -26,6 +28,23 @@ NEAR_MODES, SAME_MODES = 3.0, 1e-8
 BEYOND = 1.25
 
 
+class StuckModes(Protocol):
+    """The stuck structure of one harmonic or of all, real or complex: n modes, m rows of pairs."""
+
+    @property
+    def pairs(self) -> ContactPairs: ...
+    @property
+    def circular_frequency(self) -> FloatArray: ...
+    @property
+    def modes(self) -> NDArray[Any]: ...
+    @property
+    def modal_damping(self) -> NDArray[Any]: ...
+    @property
+    def contact_modes(self) -> NDArray[Any]: ...
+    @property
+    def highest_omega(self) -> float: ...
+
+
 class Resonances:
     """The landmarks of a frequency curve: circular frequencies and half-power widths in rad/s.
 
@@ -36,18 +55,17 @@ class Resonances:
     modes of both limits (Rayleigh-Ritz), because those of all unknowns would cost more than the curve.
     """
 
-    def __init__(
-        self, stuck: LinearLimit, free: LinearLimit, structure: StuckStructure, force: ExcitationForce
-    ) -> None:
+    def __init__(self, stuck: LinearLimit, free: LinearLimit, structure: StuckModes, force: ExcitationForce) -> None:
         self._structure, self._force = structure, force
         near = [limit.circular_frequency <= NEAR_MODES * structure.highest_omega for limit in (stuck, free)]
         from_free = scipy.linalg.solve(structure.modes, free.modes[:, near[1]], check_finite=False)
         both = np.hstack([np.eye(len(from_free))[:, near[0]], from_free])
         self._basis = scipy.linalg.orth(both, rcond=SAME_MODES)  # (n, r) in the coordinates of the stuck modes
         self._shapes = structure.contact_modes @ self._basis
-        self._squares = (self._basis.T * structure.circular_frequency**2) @ self._basis
+        self._squares = (self._basis.conj().T * structure.circular_frequency**2) @ self._basis
         damping = structure.modal_damping
-        self._damping = (self._basis.T * damping if damping.ndim == 1 else self._basis.T @ damping) @ self._basis
+        across = self._basis.conj().T
+        self._damping = (across * damping if damping.ndim == 1 else across @ damping) @ self._basis
         self._of_limits = [*self._landmarks(stuck), *self._landmarks(free)]
         self._moving = b""
         self._of_tangent: dict[bytes, list[Landmark]] = {}
@@ -72,8 +90,8 @@ class Resonances:
         """The landmarks of the structure without the springs of some rows."""
         springs = self._structure.pairs.resting_stiffness().ravel()[rows]
         shapes = self._shapes[rows]
-        squares, turns = scipy.linalg.eigh(self._squares - (shapes.T * springs) @ shapes, check_finite=False)
-        modal = np.einsum("ij,ij->j", turns, self._damping @ turns)
+        squares, turns = scipy.linalg.eigh(self._squares - (shapes.conj().T * springs) @ shapes, check_finite=False)
+        modal = np.einsum("ij,ij->j", turns.conj(), self._damping @ turns).real
         modes = self._structure.modes @ (self._basis @ turns)
         limit = LinearLimit(np.sqrt(np.maximum(squares, 0.0)), modes, modal)
         return self._landmarks(limit)

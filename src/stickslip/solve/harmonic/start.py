@@ -86,13 +86,13 @@ def amplitude_ramp(
     newton: Newton[BalancePoint], curve: FrequencyCurve, omega: float
 ) -> tuple[BalancePoint | None, str]:
     """Follow the solution from a hundredth of the force, through folds: that at full force or None, and a message."""
-    ramp = LoadCurve(curve.balance, omega)
+    ramp = LoadCurve(curve.balance, omega, curve.work)
     ramp_newton = Newton(ramp, newton.settings, newton.on_iteration)
     guess = curve.balance.linear(omega, FIRST_LOAD * curve.load)
     first = ramp_newton.correct(ramp.at(guess, FIRST_LOAD * curve.load), Plane.fixed(guess, FIRST_LOAD * curve.load))
     if not first.converged:
         return None, f"no solution at {100 * FIRST_LOAD:g} % of the force"
-    branch = Branch(ramp_newton, first.point, curve.load, RAMP)
+    branch = Branch(ramp_newton, first.point, curve.load, RAMP, work=curve.work)
     branch.follow()
     if not branch.complete:
         return None, branch.message
@@ -106,7 +106,7 @@ def _few_harmonics(
     newton: Newton[BalancePoint], curve: FrequencyCurve, simple: Balance, omega: float
 ) -> Correction[BalancePoint]:
     """Solve with fewer harmonics, then correct with all of them from there."""
-    few = FrequencyCurve(simple, curve.load)
+    few = FrequencyCurve(simple, curve.load, work=curve.work)
     few_newton = Newton(few, newton.settings, newton.on_iteration)
     coarse = at_frequency(few_newton, few, simple.linear(omega, curve.load), omega).point
     guess = with_rows(coarse.unknowns, 2 * curve.balance.harmonics + 1)

@@ -18,10 +18,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.friction_law import FrictionLaw
 from stickslip.contact.law.iwan import IwanJoint
 from stickslip.contact.law.jenkins import JenkinsElement
 from stickslip.core.errors import InputError
@@ -34,6 +33,8 @@ from stickslip.solve.harmonic.linear import LinearLimit
 NO_DAMPING, HARDLY_DAMPED = 1e-13, 1e-7
 # chosen: smaller motions of a contact, over the largest motion of the mode, are round-off.
 NO_MOTION = 1e-8
+# chosen: part of the largest normal displacement of a rigid motion below which a combination of them presses no pair.
+PRESSES = 1e-9
 SQUARE_WAVE = 4.0 / math.pi  # first harmonic of a square wave of height 1
 
 
@@ -62,7 +63,7 @@ def grip_of(pairs: ContactPairs, shape: FloatArray) -> Grip:
     friction, opens, load_varies = 0.0, False, False
     for law, group in zip(pairs.laws, pairs.members, strict=True):
         here = motion[group]
-        if isinstance(law, CoulombLaw):
+        if isinstance(law, FrictionLaw):
             sliding = np.hypot(here[:, 0], here[:, 1])
             opens |= bool(here[:, 2].any())
             load_varies |= bool((presses[group] & (sliding > 0.0)).any())
@@ -92,7 +93,7 @@ def unbounded_motions(
     return tuple(sentences)
 
 
-def _excited(limit: LinearLimit, force: ExcitationForce, low: float, high: float) -> list[tuple[int, int]]:
+def nearly_undamped(limit: LinearLimit, force: ExcitationForce, low: float, high: float) -> list[tuple[int, int]]:
     """(order, mode) of the nearly undamped modes that a harmonic of the force excites in the range (rad/s)."""
     orders, modes = np.nonzero(limit.moved_by(force) & ~limit.rigid & (limit.circular_frequency > 0.0))
     return [
@@ -123,7 +124,7 @@ def _undamped_modes(
 ) -> list[str]:
     """Modes of the structure without contact that friction cannot hold."""
     sentences = []
-    for order, mode in _excited(free, force, low, high):
+    for order, mode in nearly_undamped(free, force, low, high):
         shape, mass = _shape(free, mode)
         omega = float(free.circular_frequency[mode])
         excitation, grip = _force_in(force, shape, order, omega / order), grip_of(pairs, shape)
@@ -160,7 +161,7 @@ def _modes_that_only_press(
 ) -> list[str]:
     """Modes with stuck contact in which no contact slides, so that friction dissipates nothing."""
     sentences = []
-    for mode in dict.fromkeys(mode for _, mode in _excited(closed, force, low, high)):
+    for mode in dict.fromkeys(mode for _, mode in nearly_undamped(closed, force, low, high)):
         shape, _ = _shape(closed, mode)
         grip = grip_of(pairs, shape)
         if grip.opens and grip.friction == 0.0:
@@ -178,8 +179,12 @@ def sliding_shapes(free: LinearLimit, pairs: ContactPairs) -> FloatArray:
     ``free`` is the structure without contact.
     """
     rigid = free.modes[:, free.rigid]
-    pressing = pairs.operator[2::3] @ rigid
-    return np.asarray(rigid @ (scipy.linalg.null_space(pressing) if pressing.any() else np.eye(rigid.shape[1])))
+    normal = pairs.operator[2::3]
+    _, sizes, motions = np.linalg.svd(normal @ rigid)
+    # Round-off of a motion that presses nothing must not count: the largest of such sizes is no scale for the others.
+    scale = float(np.abs(normal).max(initial=0.0)) * float(np.abs(rigid).max(initial=0.0))
+    pressing = int((sizes > PRESSES * scale).sum())
+    return np.asarray(rigid @ motions[pressing:].T)
 
 
 def _unsupported(free: LinearLimit, pairs: ContactPairs, force: ExcitationForce, low: float) -> list[str]:

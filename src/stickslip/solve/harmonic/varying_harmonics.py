@@ -33,6 +33,7 @@ from stickslip.solve.path.landmarks import LandmarkSource
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Linearised, Plane, Step
 from stickslip.solve.path.stepping import Accepted, BranchPoint, ContinuationSettings, Corner, Retreat, Revision
+from stickslip.solve.path.work import Work
 
 BranchEvent = Accepted[Any] | Retreat | Corner
 
@@ -97,13 +98,14 @@ class _Linearised:
 class VaryingCurve:
     """:class:`FrequencyCurve` as a problem with a number of harmonics that may change from point to point.
 
-    ``use`` sets that of the points that follow.
+    ``use`` sets that of the points that follow; ``work`` counts.
     """
 
-    def __init__(self, balance_of: Callable[[int], Balance], harmonics: int) -> None:
+    def __init__(self, balance_of: Callable[[int], Balance], harmonics: int, work: Work | None = None) -> None:
         self._balance_of = balance_of
         self._curves: dict[int, FrequencyCurve] = {}
         self.last_factor = LastFactor()  # of all numbers of harmonics
+        self.work = work or Work()
         self.harmonics = self.widest = harmonics
 
     def use(self, harmonics: int) -> None:
@@ -118,7 +120,8 @@ class VaryingCurve:
     def with_harmonics(self, harmonics: int) -> FrequencyCurve:
         """The curve with a fixed number of harmonics."""
         if harmonics not in self._curves:
-            self._curves[harmonics] = FrequencyCurve(self._balance_of(harmonics), last=self.last_factor)
+            balance = self._balance_of(harmonics)
+            self._curves[harmonics] = FrequencyCurve(balance, last=self.last_factor, work=self.work)
         return self._curves[harmonics]
 
     def lifted(self, point: BalancePoint) -> VaryingPoint:
@@ -159,6 +162,8 @@ class HarmonicsByAccuracy:
         samples of a period.
     damped:
         see :func:`stickslip.solve.harmonic.neglected.more_harmonics`.
+    work:
+        that of the whole curve.
     """
 
     def __init__(
@@ -170,6 +175,7 @@ class HarmonicsByAccuracy:
         settings: NewtonSettings,
         on_iteration: Callable[[int, float], None],
         damped: int | None = None,
+        work: Work | None = None,
     ) -> None:
         self._accuracy, self._samples, self._damped = accuracy, samples, damped
         first = max(least, LEAST_HARMONICS)
@@ -178,7 +184,7 @@ class HarmonicsByAccuracy:
         self._accepted: list[int] = []
         self._skip = 0  # points that have no estimate at first
         self._limited = False  # whether the limit of the work, and not that of the samples, stopped at some point
-        self.curve = VaryingCurve(balance_of, first)
+        self.curve = VaryingCurve(balance_of, first, work)
         self.newton = Newton[VaryingPoint](self.curve, settings, on_iteration)
 
     @property
@@ -205,7 +211,8 @@ class HarmonicsByAccuracy:
             self._remember(event)
             on_event(event)
 
-        branch = Branch(self.newton, first.point, stop, settings, listen, landmarks, revise=self.revised)
+        work = self.curve.work
+        branch = Branch(self.newton, first.point, stop, settings, listen, landmarks, revise=self.revised, work=work)
         self._complete(branch.follow())
         self.curve.use(self.curve.widest)
         return branch
@@ -275,7 +282,9 @@ class HarmonicsByAccuracy:
         return self.curve.with_harmonics(point.harmonics).balance
 
     def _estimate(self, point: VaryingPoint, along: Tangent) -> Neglected:
-        return neglected(point.trial, self._own(point), self._fine(point), along, self.curve.last_factor)
+        fine = self._fine(point)
+        self.curve.work.iterate(2 * fine.harmonics + 1)
+        return neglected(point.trial, self._own(point), fine, along, self.curve.last_factor)
 
     def _resolved(self, point: VaryingPoint, along: Tangent) -> Revision[VaryingPoint]:
         """The point with an estimate, and again with more or fewer harmonics until that fits."""

@@ -34,6 +34,7 @@ from stickslip.solve.path.stepping import (
     lengths_to_try,
 )
 from stickslip.solve.path.visited import Visited
+from stickslip.solve.path.work import Work
 
 # chosen: the largest number of retreats from steps that came back to the branch before it is lost, and of places where
 # the branch is lost and goes on close beyond.
@@ -56,6 +57,7 @@ class Branch(Generic[PointT]):
     branch ends at the stop, ``lost`` if it ends because no step succeeds; ``message`` describes its end. ``retreats``
     and ``corners`` are the parameters of those events, ``crossings`` the places where the branch was lost and goes on
     close beyond. ``revise`` may solve each new point again, with other equations, before the branch goes on from there.
+    The branch also ends at the limit of the ``work`` on all branches that share it.
 
     With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it
     is complete where it leaves the range, or where it comes back to its start in the same direction; ``closed`` is then
@@ -72,6 +74,7 @@ class Branch(Generic[PointT]):
         landmarks: LandmarkSource[PointT] | None = None,
         within: tuple[float, float] | None = None,
         revise: Callable[[PointT, Tangent], Revision[PointT]] | None = None,
+        work: Work | None = None,
     ) -> None:
         self._problem = newton.problem
         self._start = start
@@ -87,7 +90,7 @@ class Branch(Generic[PointT]):
         self._width = abs(stop - self._origin) if within is None else within[1] - within[0]
         self._visited: Visited[PointT] = Visited()
         self._pace = Pace(settings.largest_step)
-        self._effort = Effort(settings)
+        self._effort = Effort(settings, work)
         self._corrector = Corrector(newton, self._width, self._effort)
         self._retreats = Retreats(self._corrector, self._visited, settings, self._pace)
         self.points: list[BranchPoint[PointT]] = []

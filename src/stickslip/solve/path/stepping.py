@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Generic
 
 from stickslip.solve.path.problem import Linearised, PointT
+from stickslip.solve.path.work import Work
 
 # chosen: a curve ends if so many iterations of Newton's method cover less than this part of the plot. Most complete
 # curves of the torture set (benchmarks/torture.py) need fewer than 100, but some that are complete need over 500.
@@ -110,10 +111,14 @@ class Pace:
 
 
 class Effort:
-    """The iterations of Newton's method along a branch, failed attempts included, and whether they still pay."""
+    """The iterations of Newton's method along a branch, failed attempts included, and whether they still pay.
 
-    def __init__(self, settings: ContinuationSettings) -> None:
+    ``work`` is that of the whole curve of which the branch is a part.
+    """
+
+    def __init__(self, settings: ContinuationSettings, work: Work | None = None) -> None:
         self._allowed = ITERATIONS_PER_POINT * settings.max_points
+        self._work = work or Work()
         self._length = 0.0  # covered since the last count began
         self.recent = self.total = 0
 
@@ -143,7 +148,7 @@ class Effort:
             )
         if self.total > self._allowed:
             return f"{self.total} iterations of Newton's method were not enough. {advice}"
-        return ""
+        return self._work.limit_words
 
 
 def lengths_to_try(step: float, settings: ContinuationSettings) -> Iterator[float]:

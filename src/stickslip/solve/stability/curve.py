@@ -15,6 +15,7 @@ import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.law import BoolArray
+from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray
 from stickslip.results.stability import Bifurcation, BifurcationKind
 from stickslip.solve.harmonic.balance import Trial
@@ -147,7 +148,7 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
     moves = np.any([trial.contact.moves for trial in trials], axis=0)
     hidden = np.max([pairs.hidden_springs(trial.contact) for trial in trials], axis=0)
     model = stability_model(stuck, max(_harmonics(trial) for trial in trials), moves, hidden)
-    verdicts = [_verdict(model, pairs, trial) for trial in trials]
+    verdicts = _verdicts(model, pairs, trials)
     counts = [verdict.counts() for verdict in verdicts]
     omega = np.array([trial.omega for trial in trials])
     folds = folds_of(omega, [verdict.values for verdict in verdicts])
@@ -170,6 +171,18 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
 def _harmonics(trial: Trial) -> int:
     """Number of harmonics of a solution."""
     return len(trial.relative) // 2
+
+
+def _verdicts(model: StabilityModel, pairs: ContactPairs, trials: Sequence[Trial]) -> list[_Verdict]:
+    """The verdict of each point; the points are shared among threads."""
+    verdicts: dict[int, _Verdict] = {}
+
+    def judge(start: int, stop: int) -> None:
+        for point in range(start, stop):
+            verdicts[point] = _verdict(model, pairs, trials[point])
+
+    in_shares(judge, len(trials), 1)
+    return [verdicts[point] for point in range(len(trials))]
 
 
 def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> _Verdict:

@@ -118,8 +118,9 @@ class Period:
         keep, by_end, by_start, normal = (np.ascontiguousarray(each) for each in arrays)
         kinds = np.empty(normal.shape, dtype=np.int8)
         _classify(keep, by_end, by_start, self._springs, kinds)
-        forms, inverses = np.empty((2, samples, *weight.shape))
-        _prepare(contact, by_end, normal, self._springs, weight, forms, inverses)
+        forms, changed = np.empty((samples, *weight.shape)), np.empty(samples, dtype=np.bool_)
+        _prepare(contact, by_end, normal, self._springs, forms, changed)
+        inverses = np.linalg.inv(np.eye(len(weight)) + weight @ forms[changed])[np.cumsum(changed) - 1]
         self._arguments = (
             contact, kinds, keep, by_end, by_start, normal, self._springs, free.advance, free.by_end, weight, forms,
             inverses,
@@ -144,6 +145,22 @@ class Period:
     def march(self, states: FloatArray) -> FloatArray:
         """States (size, c) one period later."""
         return np.asarray(_march(np.ascontiguousarray(states), self._p, *self._arguments))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _gathered(rows: FloatArray, values: FloatArray, count: int) -> FloatArray:
+    """``rows^T values`` of the first ``count`` rows; a function of its own compiles once."""
+    product: FloatArray = np.dot(rows[:count].T, values[:count])
+    return product
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _copy(source: FloatArray, first: int, count: int, factor: float, target: FloatArray, place: int) -> None:
+    """Write ``factor`` times ``count`` rows of ``source`` from ``first`` on to ``target``; loops compile quicker than
+    slices."""
+    for row in range(count):
+        for c in range(source.shape[1]):
+            target[place + row, c] = factor * source[first + row, c]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -172,11 +189,11 @@ def _prepare(
     by_end: FloatArray,
     normal: FloatArray,
     springs: FloatArray,
-    weight: FloatArray,
     forms: FloatArray,
-    inverses: FloatArray,
+    changed: NDArray[np.bool_],
 ) -> None:
-    """Fill ``X^T S_j X`` and ``(I + W X^T S_j X)^-1`` of the n samples; S_j is the stiffness of the deviation.
+    """Fill ``X^T S_j X`` of the n samples, and which of them differ from the one before; S_j is the stiffness of the
+    deviation.
 
     From sample to sample only the pairs whose stiffness changes contribute.
     """
@@ -210,12 +227,8 @@ def _prepare(
                     )
             count += 3
         if count:
-            form += rows[:count].T @ force[:count]
-        forms[j] = form
-        if count or j == 0:
-            inverses[j] = np.linalg.inv(np.eye(size) + weight @ form)
-        else:
-            inverses[j] = inverses[j - 1]
+            form += _gathered(rows, force, count)
+        forms[j], changed[j] = form, count > 0 or j == 0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -237,25 +250,32 @@ def _march(
 ) -> FloatArray:
     """States (size, c) one period after ``start``, which is at sample 0."""
     n, pairs, size, columns = normal.shape[0], normal.shape[1], contact.shape[2], start.shape[1]
+    # Constants of another type: numba would compile _copy for each of them.
+    zero, one, two, three = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
     rows, values = np.empty((3 * pairs, size)), np.empty((3 * pairs, columns))
     listed = np.empty(pairs, dtype=np.int64)
-    both = np.vstack((start[:p], start[2 * p : p + size]))
-    memory = start[p + size :].copy()
-    relative = (contact.reshape(3 * pairs, size) @ both).reshape(pairs, 3, columns)
+    directions = contact.reshape(3 * pairs, size)
+    both, memory = np.empty((size, columns)), np.empty((2 * pairs, columns))
+    _copy(start, zero, p, 1.0, both, zero)
+    _copy(start, 2 * p, size - p, 1.0, both, p)
+    _copy(start, p + size, 2 * pairs, 1.0, memory, zero)
+    relative = np.dot(directions, both)
     # The force at sample 0, and the part of it of the pairs that stay.
     held = np.zeros((size, columns))
     for pair in range(pairs):
-        values[3 * pair : 3 * pair + 2] = memory[2 * pair : 2 * pair + 2]
-        values[3 * pair + 2] = (normal[0, pair] - springs[pair, 2]) * relative[pair, 2]
-    state = np.vstack((start[: 2 * p], -(contact.reshape(3 * pairs, size).T @ values)[:p]))
+        _copy(memory, 2 * pair, two, 1.0, values, 3 * pair)
+        _copy(relative, 3 * pair + 2, one, normal[0, pair] - springs[pair, 2], values, 3 * pair + 2)
+    state = np.empty((3 * p, columns))
+    _copy(start, zero, 2 * p, 1.0, state, zero)
+    _copy(_gathered(directions, values, 3 * pairs), zero, p, -1.0, state, 2 * p)
     count = 0
     for pair in range(pairs):
         if kinds[1 % n, pair] == STAYS:
-            rows[count : count + 2] = contact[pair, :2]
-            values[count : count + 2] = memory[2 * pair : 2 * pair + 2]
+            _copy(directions, 3 * pair, two, 1.0, rows, count)
+            _copy(memory, 2 * pair, two, 1.0, values, count)
             count += 2
     if count:
-        held += rows[:count].T @ values[:count]
+        held += _gathered(rows, values, count)
     for step in range(1, n + 1):
         j, after = step % n, (step + 1) % n
         # What the deviations at the end do not depend on.
@@ -263,7 +283,7 @@ def _march(
         for pair in range(pairs):
             if kinds[j, pair] != GENERAL:
                 continue
-            rows[count : count + 2] = contact[pair, :2]
+            _copy(directions, 3 * pair, two, 1.0, rows, count)
             for a in range(2):
                 k0, k1 = keep[j, pair, a, 0], keep[j, pair, a, 1]
                 # The memory is the deviation from the resting springs, not the traction.
@@ -272,31 +292,36 @@ def _march(
                 s2 = by_start[j, pair, a, 2]
                 for c in range(columns):
                     values[count + a, c] = (
-                        k0 * memory[2 * pair, c] + k1 * memory[2 * pair + 1, c]
-                        + s0 * relative[pair, 0, c] + s1 * relative[pair, 1, c] + s2 * relative[pair, 2, c]
+                        k0 * memory[2 * pair, c] + k1 * memory[2 * pair + 1, c] + s0 * relative[3 * pair, c]
+                        + s1 * relative[3 * pair + 1, c] + s2 * relative[3 * pair + 2, c]
                     )  # fmt: skip
-            memory[2 * pair : 2 * pair + 2] = values[count : count + 2]
+            _copy(values, count, two, 1.0, memory, 2 * pair)
             count += 2
-        past = held + rows[:count].T @ values[:count] if count else held
-        motion = advance @ state
-        known = -(weight @ past)
-        known[:p] += motion[:p]
-        both = inverses[j] @ known
-        force = -(forms[j, :p] @ both + past[:p])
-        state[: 2 * p] = motion + force_end @ force
-        state[2 * p :] = force
+        past = held
+        if count:
+            past = held + _gathered(rows, values, count)
+        motion, known = np.dot(advance, state), np.dot(weight, past)
+        for row in range(size):
+            for c in range(columns):
+                known[row, c] = (motion[row, c] if row < p else 0.0) - known[row, c]
+        both = np.dot(inverses[j], known)
+        force = np.dot(forms[j, :p], both)
+        force += past[:p]
+        motion -= np.dot(force_end, force)
+        _copy(motion, zero, 2 * p, 1.0, state, zero)
+        _copy(force, zero, p, -1.0, state, 2 * p)
         # Displacements of the pairs whose memory depends on them, or does in the next step.
         count = 0
         for pair in range(pairs):
             here, there = kinds[j, pair], kinds[after, pair]
             if here == GENERAL or there == GENERAL or (here == MEMORYLESS and there == STAYS) or step == n:
-                rows[3 * count : 3 * count + 3] = contact[pair]
+                _copy(directions, 3 * pair, three, 1.0, rows, 3 * count)
                 listed[count] = pair
                 count += 1
         if count:
-            moved = rows[: 3 * count] @ both
+            moved = np.dot(rows[: 3 * count], both)
             for place in range(count):
-                relative[listed[place]] = moved[3 * place : 3 * place + 3]
+                _copy(moved, 3 * place, three, 1.0, relative, 3 * listed[place])
         for place in range(count):
             pair = listed[place]
             if kinds[j, pair] == STAYS:
@@ -310,18 +335,21 @@ def _march(
                 past_part = 1.0 if kinds[j, pair] == GENERAL else 0.0
                 for c in range(columns):
                     memory[2 * pair + a, c] = (
-                        past_part * memory[2 * pair + a, c]
-                        + s0 * relative[pair, 0, c] + s1 * relative[pair, 1, c] + s2 * relative[pair, 2, c]
+                        past_part * memory[2 * pair + a, c] + s0 * relative[3 * pair, c]
+                        + s1 * relative[3 * pair + 1, c] + s2 * relative[3 * pair + 2, c]
                     )  # fmt: skip
         # Sliders that begin or cease to stay.
         count = 0
         for pair in range(pairs):
             here, there = kinds[j, pair], kinds[after, pair]
             if (here == STAYS) != (there == STAYS):
-                sign = 1.0 if there == STAYS else -1.0
-                rows[count : count + 2] = contact[pair, :2]
-                values[count : count + 2] = sign * memory[2 * pair : 2 * pair + 2]
+                _copy(directions, 3 * pair, two, 1.0, rows, count)
+                _copy(memory, 2 * pair, two, 1.0 if there == STAYS else -1.0, values, count)
                 count += 2
         if count:
-            held += rows[:count].T @ values[:count]
-    return np.vstack((state[: 2 * p], both[p:size], memory))
+            held += _gathered(rows, values, count)
+    end = np.empty(start.shape)
+    _copy(state, zero, 2 * p, 1.0, end, zero)
+    _copy(both, p, size - p, 1.0, end, 2 * p)
+    _copy(memory, zero, 2 * pairs, 1.0, end, p + size)
+    return end

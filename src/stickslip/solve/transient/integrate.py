@@ -126,7 +126,8 @@ def _start_vector(name: str, value: ArrayLike | None, shape: tuple[int, ...]) ->
 
 def check_integration(superelement: Superelement, pairs: ContactPairs) -> None:
     """Raise InputError for a structure and a joint that time integration does not take."""
-    if pairs.operator.shape[1] != superelement.size:
+    # A sector of a disk has a size, but no mass matrix: it raises its own error.
+    if pairs.operator.shape[1] != len(superelement.mass):
         raise InputError(
             f"the operator of the contact pairs has {pairs.operator.shape[1]} columns, but the superelement has "
             f"{superelement.size} unknowns; both must be equal.",

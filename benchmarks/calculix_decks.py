@@ -1,0 +1,176 @@
+"""CalculiX' own test decks: how many stickslip reads or rejects with a sentence, and frequencies against `ccx`.
+
+    python benchmarks/calculix_decks.py FOLDER [--frequencies]
+
+FOLDER has the decks of the Debian package calculix-ccx-test (examples/test, also compressed). The deck for the
+frequencies is that part of each deck which is above its first step, with the constraints of this step, 1 kg/m3 where a
+material has no density, and the elements that both programs have (C3D8 for 8 nodes, C3D20 for 20). Decks with contact,
+shells, springs, other materials or nonlinear constraints are not compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gzip
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+
+from stickslip.core.errors import InputError, StickslipError
+from stickslip.formats.meshes.imported_model import ImportedModel
+from stickslip.formats.meshes.read import read_model
+from stickslip.structure.constraints import eliminate
+from stickslip.structure.elasticity import assemble_bodies, natural_frequencies
+
+LONGEST = 60  # s; a deck that takes longer counts as one that hangs
+MOST_NODES = 6000  # of decks whose frequencies are compared
+MODES = 10
+_NOT_COMPARED = re.compile(
+    r"^\*(CONTACT|GAP|SPRING|MPC|DISTRIBUTING|PLASTIC|CREEP|HYPER|USER MATERIAL|CYCLIC|DASHPOT|DEFORMATION|MODEL CHANGE"
+    r"|SUBSTRUCTURE|ORIENTATION|INITIAL|MASS|PRE-TENSION|INCLUDE|RIGID BODY, *ELSET)",
+    re.IGNORECASE | re.MULTILINE,
+)
+_RIGID = 1e-5  # part of typical frequencies below which a motion is rigid, by round-off
+_TYPES = {"C3D8I": "C3D8", "C3D8R": "C3D8", "C3D20R": "C3D20"}
+
+
+def main() -> None:
+    """Read every deck, and compare frequencies if asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--frequencies", action="store_true", help="also run ccx on decks of solids")
+    arguments = parser.parse_args()
+    files = sorted([*arguments.folder.glob("*.inp"), *arguments.folder.glob("*.inp.gz")])
+    if not files:
+        sys.exit(f"{arguments.folder} has no .inp or .inp.gz. Install or unpack the package calculix-ccx-test.")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        decks = [unpacked(each, folder) for each in files]
+        models = read_all(decks)
+        if arguments.frequencies:
+            compare_all(models, folder)
+
+
+def unpacked(file: Path, folder: Path) -> Path:
+    """A copy of a deck, uncompressed."""
+    path = folder / file.name.removesuffix(".gz")
+    path.write_bytes(gzip.decompress(file.read_bytes()) if file.suffix == ".gz" else file.read_bytes())
+    return path
+
+
+def read_all(decks: list[Path]) -> dict[Path, ImportedModel]:
+    """The decks that can be read; prints the numbers and the reasons of the others."""
+    models, reasons, seconds = {}, Counter(), []
+    signal.signal(signal.SIGALRM, _stop)
+    for deck in decks:
+        start = time.perf_counter()
+        signal.alarm(LONGEST)
+        try:
+            models[deck] = read_model(deck, "m")
+        except StickslipError as error:
+            reasons[reason(str(error))] += 1
+        except TimeoutError:
+            reasons["HANGS"] += 1
+            print(f"{deck.name} takes longer than {LONGEST} s")
+        signal.alarm(0)
+        seconds.append(time.perf_counter() - start)
+    tied = sum(model.equations is not None for model in models.values())
+    print(f"{len(decks)} decks: {len(models)} read ({tied} with ties), {len(decks) - len(models)} rejected, "
+          f"{reasons['HANGS']} hang; longest {max(seconds):.1f} s")  # fmt: skip
+    for words, count in reasons.most_common():
+        print(f"{count:5d}  {words}")
+    return models
+
+
+def _stop(*_: object) -> NoReturn:
+    raise TimeoutError
+
+
+def reason(sentence: str) -> str:
+    """A sentence without its file, line, names and numbers."""
+    words = re.sub(r"^.*?\.inp(, line \d+)?: ", "", sentence)
+    return re.sub(r"'[^']*'|\b\d+\b", "..", words)[:110]
+
+
+def compare_all(models: dict[Path, ImportedModel], folder: Path) -> None:
+    """Frequencies of the decks of solids by both programs."""
+    worst = []
+    for deck, model in models.items():
+        text = deck.read_text(encoding="latin-1")
+        if model.mesh.n_nodes > MOST_NODES or _NOT_COMPARED.search(text) or "elements are solid" in str(model.messages):
+            continue
+        path = folder / f"both_{deck.name}"
+        path.write_text(frequency_deck(text), encoding="latin-1")
+        try:
+            (own, lowest), other = own_frequencies(path), other_frequencies(path)
+        except (InputError, subprocess.SubprocessError, IndexError) as error:
+            print(f"{deck.name:24s} not compared: {type(error).__name__}: {str(error)[-90:]}")
+            continue
+        count = min(len(own), len(other))
+        elastic = (own[:count] > _RIGID * own.max(initial=0.0)) & (own.max(initial=0.0) > lowest)
+        if not elastic.any():
+            print(f"{deck.name:24s} not compared: ccx gives no frequency of deformation")
+            continue
+        off = 100.0 * np.abs(own[:count][elastic] / other[:count][elastic] - 1.0).max()
+        kinds = {name.split(" in ")[0] for name in model.equations.names} if model.equations else set()
+        print(f"{deck.name:24s} {model.mesh.n_nodes:6d} nodes  {off:.2e} %  {', '.join(sorted(kinds))}")
+        worst.append(off)
+    print(f"{len(worst)} decks compared; {sum(each < 0.1 for each in worst)} within 0.1 %")
+
+
+def frequency_deck(text: str) -> str:
+    """The model of a deck with a step of frequencies."""
+    text = text.replace("\r", "")
+    parts = re.split(r"(?im)^\*STEP\b.*$", text, maxsplit=1)
+    model = re.sub(
+        r"(?im)(TYPE\s*=\s*)(C3D8R|C3D8I|C3D20R)\b", lambda each: each[1] + _TYPES[each[2].upper()], parts[0]
+    )
+    if not re.search(r"(?im)^\*DENSITY", model):
+        model = re.sub(r"(?im)^(\*MATERIAL\b.*)$", r"\1\n*DENSITY\n1.", model)
+    if len(parts) > 1:
+        first = re.split(r"(?im)^\*END STEP", parts[1])[0]
+        model += "".join(re.findall(r"(?im)^\*BOUNDARY\b[^*]*", first))
+    return f"{model.rstrip()}\n*STEP\n*FREQUENCY\n{MODES}\n*END STEP\n"
+
+
+def own_frequencies(path: Path) -> tuple[np.ndarray, float]:
+    """Hz, of stickslip, and the frequency below which a motion is one without strain."""
+    model = read_model(path, "m")
+    missing = [name for name in model.mesh.body_names if name not in model.materials]
+    if missing:
+        raise InputError(f"body {missing[0]} has no complete material.")
+    fixed = model.fixed_unknowns
+    constraints = None if model.equations is None else eliminate(model.equations, fixed)
+    materials = [model.materials[name] for name in model.mesh.body_names]
+    structure = assemble_bodies(model.mesh, materials, "trilinear", fixed_unknowns=fixed, constraints=constraints)
+    count = min(MODES, structure.stiffness.shape[0] - 1)
+    scale = structure.stiffness.diagonal().sum() / structure.mass.diagonal().sum()
+    return natural_frequencies(structure.stiffness, structure.mass, count)[0], _RIGID * float(np.sqrt(scale))
+
+
+def other_frequencies(path: Path) -> np.ndarray:
+    """Hz, of CalculiX."""
+    subprocess.run(
+        ["ccx", "-i", path.stem],
+        cwd=path.parent,
+        check=True,
+        capture_output=True,
+        timeout=LONGEST,
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+    )
+    text = path.with_suffix(".dat").read_text(encoding="latin-1")
+    table = re.findall(r"^\s+\d+" + 4 * r"\s+(\S+)" + r"\s*$", text, flags=re.MULTILINE)
+    return np.array([float(row[2]) for row in table[:MODES]])
+
+
+if __name__ == "__main__":
+    main()

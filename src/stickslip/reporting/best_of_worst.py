@@ -1,0 +1,39 @@
+"""The answer of a sweep: the design whose highest peak over all load cases is the lowest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stickslip.reporting.style import length
+from stickslip.reporting.sweep_view import SweepView, short_name
+
+# Sections whose keys are load cases: what acts on the structure. All other keys are the design.
+LOAD_SECTIONS = ("excitation", "forces", "base_motion", "unbalance", "rotation", "static_loads")
+LOAD_KEYS = ("preload.speed_of_rotation",)
+
+
+def best_of_worst(view: SweepView) -> str:
+    """A sentence on the minimum over designs of the maximum over load cases; "" without a design with a known peak.
+
+    A design counts if the peak of each of its load cases is inside the computed range.
+    """
+    names = [key.name for key in view.table.keys]
+    loads = [place for place, name in enumerate(names) if name.split(".")[0] in LOAD_SECTIONS or name in LOAD_KEYS]
+    designs = [place for place in range(len(names)) if place not in loads]
+    if not designs:
+        return ""
+    peak, inside = view.number("peak_amplitude_m"), view.inside()
+    _, member_of = np.unique(view.positions[:, designs], axis=0, return_inverse=True)
+    groups = [np.flatnonzero(member_of.ravel() == number) for number in range(int(member_of.max()) + 1)]
+    complete = [rows for rows in groups if inside[rows].all()]
+    if not complete:
+        return "No design has a known peak under all its load cases."
+    worst = [int(rows[peak[rows].argmax()]) for rows in complete]
+    best = min(worst, key=lambda row: peak[row])
+    top, design = " ".join(length(float(peak[best]))), view.label(best, tuple(loads))
+    words = f"The lowest of the highest peaks is {top}, of the design with {design}"
+    if loads:
+        cases = " and ".join(short_name(view.table.keys[place]) for place in loads)
+        words += f"; its worst load case ({cases}) is {view.label(best, tuple(designs))}"
+    left_out = len(groups) - len(complete)
+    return f"{words}." + (f" {left_out} designs with an unknown peak do not count." if left_out else "")

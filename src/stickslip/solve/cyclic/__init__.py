@@ -1,0 +1,1 @@
+"""The forced response of a tuned disk from one of its sectors."""

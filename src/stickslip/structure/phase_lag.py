@@ -1,0 +1,87 @@
+"""Matrices of a sector whose right boundary follows the left one of the next sector, for any phase lag between them.
+
+In the frame of each sector (its own rotated axes) the next sector moves as ``u e^{i phi}``, with ``phi = 2 pi d / N``
+for nodal diameter d. Its left boundary is the right one of this sector, so ``u_right = e^{i phi} R u_left`` with the
+rotation R of the sector. With ``T = T_here + e^{i phi} T_next`` every matrix becomes Hermitian:
+
+    A(phi) = T^H A T = A_0 + e^{i phi} A_1 + e^{-i phi} A_1^T,
+    A_0 = T_here^T A T_here + T_next^T A T_next,  A_1 = T_here^T A T_next.
+
+Source: D. L. Thomas, Dynamics of rotationally periodic structures, Int. J. Numer. Methods Eng. 14 (1979) 81-102.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from stickslip.structure.cyclic_symmetry import IntArray
+
+
+@dataclass(frozen=True)
+class LaggedMatrix:
+    """A symmetric matrix of a sector for any phase lag: ``here`` is A_0 and ``next`` A_1, csr (n, n)."""
+
+    here: Any
+    next: Any
+
+    @classmethod
+    def of(cls, matrix: Any, here: Any, following: Any) -> LaggedMatrix:
+        """From a symmetric matrix of the unknowns of a sector and the two parts of T."""
+        own = here.T @ matrix @ here + following.T @ matrix @ following
+        return cls(own.tocsr(), (here.T @ matrix @ following).tocsr())
+
+    def at(self, diameter: int, sectors: int) -> Any:
+        """The csr matrix (n, n) of a nodal diameter: real where the lag is 0 or half a turn, else complex Hermitian."""
+        across = self.next.T.tocsr()
+        if diameter == 0:
+            return self.here + self.next + across
+        if 2 * diameter == sectors:
+            return self.here - self.next - across
+        lag = np.exp(2j * np.pi * diameter / sectors)
+        return self.here + lag * self.next + np.conj(lag) * across
+
+
+@dataclass(frozen=True)
+class LaggedModel:
+    """The matrices of a sector without its right boundary, and the unknowns (n,) of the sector that remain."""
+
+    stiffness: LaggedMatrix
+    mass: LaggedMatrix
+    damping: LaggedMatrix | None
+    remaining: IntArray
+
+    @classmethod
+    def of_unknowns(
+        cls, matrices: tuple[Any, Any, Any], left: IntArray, right: IntArray, rotation: Any = None
+    ) -> LaggedModel:
+        """From sparse stiffness, mass and damping (or None), with unknowns ``right`` (k,) that follow ``left`` (k,).
+
+        ``rotation`` (k, k), sparse, is that of the sector in these unknowns; None for unknowns that do not rotate.
+        """
+        size = matrices[0].shape[0]
+        remaining = np.setdiff1d(np.arange(size), right)
+        column = np.full(size, -1)
+        column[remaining] = np.arange(remaining.size)
+        one = scipy.sparse.csr_matrix(
+            (np.ones(remaining.size), (remaining, np.arange(remaining.size))), shape=(size, remaining.size)
+        )
+        entries = (scipy.sparse.identity(left.size) if rotation is None else rotation).tocoo()
+        following = scipy.sparse.csr_matrix(
+            (entries.data, (right[entries.row], column[left[entries.col]])), shape=(size, remaining.size)
+        )
+        stiffness, mass, damping = (
+            None if matrix is None else LaggedMatrix.of(scipy.sparse.csr_matrix(matrix), one, following)
+            for matrix in matrices
+        )
+        assert stiffness is not None
+        assert mass is not None
+        return cls(stiffness, mass, damping, remaining)
+
+    def at(self, diameter: int, sectors: int) -> tuple[Any, Any, Any]:
+        """Stiffness, mass and damping (or None) of a nodal diameter."""
+        damping = None if self.damping is None else self.damping.at(diameter, sectors)
+        return self.stiffness.at(diameter, sectors), self.mass.at(diameter, sectors), damping

@@ -1,0 +1,170 @@
+"""Reduction of one sector of a disk for each nodal diameter: Craig-Bampton with phase lag between its boundaries."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
+
+from stickslip.core.errors import InputError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.validation import FloatArray
+from stickslip.structure.craig_bampton import ReducedMatrices, checked_boundary, reduced_matrices
+from stickslip.structure.cyclic_sector import CyclicSector, LaggedMatrices, Matrix, require_diameter
+from stickslip.structure.cyclic_symmetry import CyclicSymmetry
+from stickslip.structure.elasticity import Structure, natural_frequencies
+from stickslip.structure.factor import Backend
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.phase_lag import LaggedModel
+from stickslip.structure.recovery import FullModel
+from stickslip.structure.sector_boundaries import require_mesh_of
+
+# chosen: a constraint on the right boundary is that of the left one, rotated, if their entries differ by less.
+SAME_CONSTRAINT = 1e-9
+
+
+def cyclic_sector(
+    structure: Structure,
+    symmetry: CyclicSymmetry,
+    boundary_nodes: ArrayLike,
+    *,
+    diameters: Sequence[int] | None = None,
+    n_modes: int = 30,
+    backend: Backend = "superlu",
+    threads: int = 1,
+    progress: ProgressCallback | None = None,
+) -> CyclicSector:
+    """Reduce one sector of a disk for nodal diameters: Craig-Bampton with phase lag between the boundaries.
+
+    For each diameter the right boundary follows the left one of the next sector (:mod:`stickslip.structure.phase_lag`);
+    ``boundary_nodes`` and ``n_modes`` modes with these nodes fixed remain, as in :func:`craig_bampton`.
+
+    Parameters
+    ----------
+    structure:
+        the sector with both its boundaries (:func:`assemble`).
+    symmetry:
+        axis and boundaries (:func:`cyclic_symmetry`) of the mesh of the structure.
+    boundary_nodes:
+        nodes to keep, of contact, force and output, off the right boundary: :meth:`CyclicSymmetry.own_nodes` gives
+        those of pairs.
+    diameters:
+        nodal diameters 0 to N // 2; None for all. :func:`nodal_diameters` gives those of an engine order.
+    n_modes:
+        fixed-interface modes of each diameter.
+    backend, threads, progress:
+        as in :func:`craig_bampton`. SuperLU factors the complex matrices of most diameters with any backend.
+
+    Raises
+    ------
+    InputError
+        for a symmetry of another mesh, constraints that differ between the boundaries, a boundary node on the right
+        boundary, a nodal diameter that does not exist, and all errors of :func:`craig_bampton`.
+    """
+    nodes = checked_boundary(boundary_nodes)
+    require_mesh_of(structure.mesh, symmetry)
+    followers = np.isin(nodes, symmetry.right)
+    if followers.any():
+        node = int(nodes[followers][0])
+        partner = int(symmetry.left[symmetry.right == node][0])
+        raise InputError(
+            f"boundary_nodes names node {node} of the right boundary ({int(followers.sum())} such nodes), which is "
+            f"node {partner} of the left boundary in the next sector. Name node {partner}, or faces off the boundary.",
+            arguments=["boundary_nodes"],
+        )
+    wanted = range(symmetry.sectors // 2 + 1) if diameters is None else sorted(set(diameters))
+    for diameter in wanted:
+        require_diameter(diameter, symmetry.sectors)
+    model = lagged_model(structure, symmetry)
+    boundary = np.searchsorted(model.remaining, structure.unknowns_of(nodes).ravel())
+    interior = np.setdiff1d(np.arange(model.remaining.size), boundary)
+    report = progress or (lambda fraction, detail: None)
+    reduced = {}
+    with threadpool_limits(limits=1):
+        for place, diameter in enumerate(wanted):
+            share = _share(report, place, len(wanted), diameter)
+            matrices = model.at(diameter, symmetry.sectors)
+            node_of = structure.node[model.remaining]
+            part = reduced_matrices(matrices, node_of, boundary, interior, n_modes, backend, threads, share)
+            reduced[diameter] = _hermitian(part)
+    return CyclicSector(symmetry.sectors, reduced, nodes, structure.mesh.points[nodes], symmetry)
+
+
+def sector_frequencies(
+    structure: Structure, symmetry: CyclicSymmetry, diameters: Sequence[int], count: int
+) -> dict[int, FloatArray]:
+    """Nodal diameter -> (count,) Hz, the lowest natural frequencies of the unreduced disk without contact."""
+    model = lagged_model(structure, symmetry)
+    answer = {}
+    for diameter in diameters:
+        require_diameter(diameter, symmetry.sectors)
+        stiffness, mass, _ = model.at(diameter, symmetry.sectors)
+        answer[diameter] = natural_frequencies(stiffness, mass, count)[0]
+    return answer
+
+
+def _hermitian(part: ReducedMatrices) -> LaggedMatrices:
+    """The matrices without the round-off of the reduction."""
+
+    def mended(matrix: Matrix) -> Matrix:
+        return np.asarray(0.5 * (matrix + matrix.conj().T))
+
+    damping = None if part.damping is None else mended(part.damping)
+    return LaggedMatrices(mended(part.mass), mended(part.stiffness), damping)
+
+
+def _share(report: ProgressCallback, place: int, count: int, diameter: int) -> Callable[[float, str], None]:
+    """Progress of one of ``count`` diameters."""
+    return lambda fraction, words: report((place + fraction) / count, f"nodal diameter {diameter}: {words}")
+
+
+def lagged_model(structure: FullModel, symmetry: CyclicSymmetry) -> LaggedModel:
+    """From the matrices of a sector with both its boundaries.
+
+    Raises InputError for a node that is constrained on one boundary and not in the same way on the other, and for a
+    structure with ties, of which the equations between the boundaries would know nothing.
+    """
+    if getattr(structure, "constraints", None) is not None:
+        raise InputError(
+            "structure has ties, rigid bodies or other equations between its nodes, which a cyclic sector cannot have "
+            "yet. Give one mesh with common nodes, or the full ring.",
+            arguments=["structure"],
+        )
+    left, right, rotation = _boundary_unknowns(structure, symmetry)
+    matrices = (structure.stiffness, structure.mass, getattr(structure, "damping", None))
+    return LaggedModel.of_unknowns(matrices, left, right, rotation)
+
+
+def _boundary_unknowns(structure: FullModel, symmetry: CyclicSymmetry) -> tuple[IntArray, IntArray, Any]:
+    """The free unknowns of both boundaries and the rotation between them."""
+    position = np.full(structure.full_size, -1)
+    position[structure.free_unknowns] = np.arange(structure.free_unknowns.size)
+    left, right = (position[3 * nodes[:, None] + np.arange(3)].ravel() for nodes in (symmetry.left, symmetry.right))
+    _require_same_constraints(left >= 0, right >= 0, symmetry)
+    rotation = scipy.sparse.kron(scipy.sparse.identity(symmetry.left.size), symmetry.rotation(), format="csr")
+    return left[left >= 0], right[right >= 0], rotation[right >= 0][:, left >= 0]
+
+
+def _require_same_constraints(left_free: Any, right_free: Any, symmetry: CyclicSymmetry) -> None:
+    """Raise InputError unless the rotation maps the free directions of each left node on those of its right one."""
+    rotation = symmetry.rotation()
+    free, expected = right_free.reshape(-1, 3), left_free.reshape(-1, 3)
+    rotated = np.einsum("ij,kj,lj->kil", rotation, expected.astype(float), rotation)
+    wanted = np.einsum("kj,ij->kij", free.astype(float), np.eye(3))
+    wrong = np.flatnonzero(np.abs(rotated - wanted).max(axis=(1, 2)) > SAME_CONSTRAINT)
+    if wrong.size:
+        first = int(wrong[0])
+
+        def words(flags: Any) -> str:
+            return "free" if flags.all() else f"constrained along {', '.join(np.array(list('xyz'))[~flags])}"
+
+        raise InputError(
+            f"node {symmetry.left[first]} of the left boundary is {words(expected[first])}, but its partner "
+            f"{symmetry.right[first]} on the right is {words(free[first])} ({wrong.size} of {symmetry.left.size} pairs "
+            "differ): a constraint of one boundary must be that of the other one, rotated. Constrain both, or none.",
+            arguments=["left", "right"],
+        )

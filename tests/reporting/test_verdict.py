@@ -1,0 +1,59 @@
+"""The answer of a run and of a sweep in plain words."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from stickslip.reporting.best_of_worst import best_of_worst
+from stickslip.reporting.style import length
+from stickslip.reporting.verdict import verdict
+from stickslip.reporting.view import View
+from stickslip.results.sweep_table import SweptKey
+from sweep_tables import sweep_view
+from synthetic import synthetic_response, synthetic_study
+
+DESIGN = SweptKey("friction.coefficient", "", (0.1, 0.3), (0.1, 0.3), "", ("0.1", "0.3"))
+FORCES = SweptKey("excitation.amplitude", "N", (100.0, 200.0), (100.0, 200.0), "N", ("100 N", "200 N"))
+
+
+def test_the_verdict_has_the_numbers_of_the_summary() -> None:
+    view = View.of(synthetic_response(), synthetic_study())
+    answer = verdict(view, warnings=2)
+    measures = view.summary
+    assert measures.reduction_from_stuck is not None
+    first = answer.sentences[0]
+    assert f"by {100.0 * measures.reduction_from_stuck:.2g} %" in first
+    assert f"{measures.peak.frequency_hz:.2f} Hz" in first
+    assert f"{measures.stuck_peak.frequency_hz:.2f} Hz" in first
+    assert f"{sum(measures.state_counts[1:])} of 110 contact pairs" in answer.sentences[-1]
+    assert "the 2 warnings below" in answer.limits
+
+
+def test_an_incomplete_curve_limits_the_verdict() -> None:
+    response = dataclasses.replace(synthetic_response(), converged=False)
+    answer = verdict(View.of(response, synthetic_study()), warnings=0)
+    assert answer.limits[0].startswith("the curve is not complete")
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(5.18e-5, ("51.8", "µm")), (0.0123, ("12.3", "mm")), (3.4e-8, ("34", "nm")), (0.0, ("0", "µm"))],
+)
+def test_lengths_have_units_that_fit(value: float, words: tuple[str, str]) -> None:
+    assert length(value) == words
+
+
+def test_the_best_design_is_that_of_the_lowest_worst_load_case() -> None:
+    # friction 0.1: 100 and 400 um under the two forces; friction 0.3: 200 and 300 um
+    answer = best_of_worst(sweep_view((DESIGN, FORCES), [1e-4, 4e-4, 2e-4, 3e-4]))
+    assert answer.startswith("The lowest of the highest peaks is 300 µm, of the design with coefficient 0.3;")
+    assert answer.endswith("its worst load case (amplitude) is amplitude 200 N.")
+
+
+def test_a_design_with_an_unknown_peak_does_not_count() -> None:
+    answer = best_of_worst(sweep_view((DESIGN, FORCES), [1e-4, 4e-4, None, 3e-4]))
+    assert "coefficient 0.1" in answer
+    assert answer.endswith("1 designs with an unknown peak do not count.")
+    assert best_of_worst(sweep_view((FORCES,), [1e-4, 2e-4])) == ""
