@@ -116,8 +116,7 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     """The commands run as printed, after the first one on a coarse mesh; only the published study is too long."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("stickslip.sweeps.run.usable_cores", lambda: 1)
-    shutil.copy(ROOT / "examples" / "data" / "profile.csv", tmp_path)
-    write_loops(tmp_path / "loops.csv")
+    shutil.copytree(ROOT / "examples" / "data", tmp_path / "examples" / "data")
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     blocks = "".join(re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL))
     commands = re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
@@ -128,7 +127,6 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         "report",
         "export",
         "roughness",
-        "fit",
         "sweep",
         "band",
         "paper",
