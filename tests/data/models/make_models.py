@@ -1,7 +1,8 @@
 """Makes the model files of this folder again: python tests/data/models/make_models.py (from the root of the project).
 
 The files that Gmsh itself writes need its Python module, which is no dependency of this project; without it they are
-left as they are.
+left as they are. cubes.vtk was written by hand; gmsh_1.msh is gmsh_2.2_text.msh with
+the lines of version 1.
 """
 
 import sys

@@ -21,6 +21,8 @@ WRITERS = {
     "large fields": ("model.nas", write_bdf, (True,)),
     "gmsh text": ("model.msh", write_meshio, ("gmsh22",)),
     "gmsh binary": ("model.msh", write_meshio, ("gmsh22b",)),
+    "vtk 5.1": ("model.vtk", write_meshio, ("vtk",)),
+    "vtk 4.2": ("model.vtk", write_meshio, ("vtk42",)),
     "vtu": ("model.vtu", write_meshio, ("vtu",)),
     "med": ("model.med", write_meshio, ("med",)),
 }

@@ -10,7 +10,7 @@ from stickslip.core.registry import Registry
 from stickslip.formats.meshes.abaqus import read_abaqus
 from stickslip.formats.meshes.build import build_model
 from stickslip.formats.meshes.imported_model import ImportedModel
-from stickslip.formats.meshes.meshio_files import read_gmsh, read_med, read_vtu
+from stickslip.formats.meshes.meshio_files import read_gmsh, read_med, read_vtk, read_vtu
 from stickslip.formats.meshes.nastran import read_nastran
 from stickslip.formats.meshes.raw_model import RawModel, fail
 from stickslip.formats.meshes.unit_systems import find_unit_system
@@ -32,6 +32,7 @@ _FORMATS: Registry[RawModel] = Registry(
         **dict.fromkeys(("bdf", "nas", "dat", "fem"), read_nastran),
         "msh": _alone(read_gmsh),
         "vtu": _alone(read_vtu),
+        "vtk": _alone(read_vtk),
         "med": _alone(read_med),
     },
 )
@@ -43,7 +44,7 @@ _ADVICE = {
         "It contains a shape without solid elements: mesh it first, for example with Gmsh, and give the .msh file",
     ),
     **dict.fromkeys(
-        (".odb", ".cae", ".op2", ".rst", ".db", ".cdb", ".frd", ".mph", ".hm", ".k", ".xdmf", ".vtk"),
+        (".odb", ".cae", ".op2", ".rst", ".db", ".cdb", ".frd", ".mph", ".hm", ".k", ".xdmf"),
         "Export the model as .inp, .bdf or .vtu from the program that wrote it",
     ),
     **dict.fromkeys(
@@ -57,7 +58,8 @@ _ADVICE = {
 def read_model(
     path: str | PathLike[str], length_unit: str, unit_system: str | None = None, includes_outside: bool = False
 ) -> ImportedModel:
-    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .msh (Gmsh), .vtu, .med.
+    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .msh (Gmsh), .vtu, .vtk,
+    .med.
 
     Other packages add formats through entry points of the group ``stickslip.model_formats`` (docs/extending.md).
 
