@@ -13,6 +13,7 @@ import numpy as np
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1]))
 
+from archive_writer import write_cdb  # noqa: E402
 from model_writers import write_bdf, write_inp, write_meshio  # noqa: E402
 from solid_cells import CORNERS  # noqa: E402
 from stickslip.structure.mesh import Mesh  # noqa: E402
@@ -74,6 +75,7 @@ if __name__ == "__main__":
     write_inp(HERE / "cubes.inp", two_cubes(), bodies, faces, "base")
     write_bdf(HERE / "cubes.bdf", two_cubes(), bodies, faces, "base", large=False)
     write_bdf(HERE / "cubes.nas", two_cubes(), bodies, faces, "base", large=True)
+    write_cdb(HERE / "cubes.cdb", two_cubes(), faces, "base")
     write_meshio(HERE / "cubes.vtu", two_cubes(), bodies, faces, "vtu")
     write_meshio(HERE / "cubes.med", two_cubes(), bodies, faces, "med")
     try:

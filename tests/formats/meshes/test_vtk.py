@@ -13,7 +13,7 @@ MODELS = Path(__file__).parents[2] / "data" / "models"
 TWO_CUBES = (MODELS / "cubes.vtk").read_text(encoding="utf-8")
 
 
-def test_scalars_are_bodies_and_sets():
+def test_scalars_are_bodies_and_sets() -> None:
     """The surface cell has the body 0, which no solid has."""
     mesh = read_model(MODELS / "cubes.vtk", "m").mesh
     assert mesh.body_names == ("body 3", "body 5")
@@ -31,7 +31,7 @@ def test_scalars_are_bodies_and_sets():
         ("POINTS 12", "POINTS 13"),
     ],
 )
-def test_other_data_sets_and_damage(tmp_path, old, new):
+def test_other_data_sets_and_damage(tmp_path: Path, old: str, new: str) -> None:
     path = tmp_path / "cubes.vtk"
     path.write_text(TWO_CUBES.replace(old, new), encoding="utf-8")
     with rejects(ImportFileError):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from stickslip.core.registry import Registry
 from stickslip.formats.meshes.abaqus import read_abaqus
+from stickslip.formats.meshes.ansys import read_ansys
 from stickslip.formats.meshes.build import build_model
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.meshio_files import read_gmsh, read_med, read_vtk, read_vtu
@@ -30,6 +31,7 @@ _FORMATS: Registry[RawModel] = Registry(
     {
         "inp": read_abaqus,
         **dict.fromkeys(("bdf", "nas", "dat", "fem"), read_nastran),
+        "cdb": _alone(read_ansys),
         "msh": _alone(read_gmsh),
         "vtu": _alone(read_vtu),
         "vtk": _alone(read_vtk),
@@ -44,7 +46,7 @@ _ADVICE = {
         "It contains a shape without solid elements: mesh it first, for example with Gmsh, and give the .msh file",
     ),
     **dict.fromkeys(
-        (".odb", ".cae", ".op2", ".rst", ".db", ".cdb", ".frd", ".mph", ".hm", ".k", ".xdmf"),
+        (".odb", ".cae", ".op2", ".rst", ".db", ".frd", ".mph", ".hm", ".k", ".xdmf"),
         "Export the model as .inp, .bdf or .vtu from the program that wrote it",
     ),
     **dict.fromkeys(
@@ -58,8 +60,8 @@ _ADVICE = {
 def read_model(
     path: str | PathLike[str], length_unit: str, unit_system: str | None = None, includes_outside: bool = False
 ) -> ImportedModel:
-    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .msh (Gmsh), .vtu, .vtk,
-    .med.
+    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .cdb (Ansys), .msh
+    (Gmsh), .vtu, .vtk, .med.
 
     Other packages add formats through entry points of the group ``stickslip.model_formats`` (docs/extending.md).
 
