@@ -17,6 +17,7 @@ from archive_writer import write_cdb  # noqa: E402
 from model_writers import write_bdf, write_inp, write_meshio  # noqa: E402
 from solid_cells import CORNERS  # noqa: E402
 from stickslip.structure.mesh import Mesh  # noqa: E402
+from universal_writer import write_unv  # noqa: E402
 
 
 def two_cubes() -> Mesh:
@@ -76,6 +77,7 @@ if __name__ == "__main__":
     write_bdf(HERE / "cubes.bdf", two_cubes(), bodies, faces, "base", large=False)
     write_bdf(HERE / "cubes.nas", two_cubes(), bodies, faces, "base", large=True)
     write_cdb(HERE / "cubes.cdb", two_cubes(), faces, "base")
+    write_unv(HERE / "cubes.unv", two_cubes(), bodies, faces)
     write_meshio(HERE / "cubes.vtu", two_cubes(), bodies, faces, "vtu")
     write_meshio(HERE / "cubes.med", two_cubes(), bodies, faces, "med")
     try:

@@ -11,7 +11,6 @@ Source: Ansys Mechanical APDL element reference (node orders) and command refere
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +20,6 @@ from stickslip.formats.meshes.ansys_archive import Entry, read_archive
 from stickslip.formats.meshes.ansys_contact import CONTACT_TYPES, TARGET, ContactElements
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
 from stickslip.formats.meshes.raw_model import (
-    RawBlock,
     RawBody,
     RawConstraint,
     RawLoad,
@@ -29,6 +27,7 @@ from stickslip.formats.meshes.raw_model import (
     RawModel,
     RawSides,
 )
+from stickslip.formats.meshes.solid_lists import SolidLists
 from stickslip.structure.cell_kinds import IntArray
 
 _BRICKS = (45, 185, 95, 186)
@@ -65,15 +64,6 @@ def read_ansys(source: Path) -> RawModel:
     return reader.finished()
 
 
-@dataclass
-class _Solids:
-    """Solid elements of one kind: labels, nodes and lines."""
-
-    labels: list[int] = field(default_factory=list)
-    cells: list[list[int]] = field(default_factory=list)
-    lines: list[int] = field(default_factory=list)
-
-
 class _Reader:
     """Reads the commands one after the other."""
 
@@ -85,7 +75,7 @@ class _Reader:
         self._coordinates: list[list[float]] = []
         self._lines: list[int] = []
         self._frames: dict[int, FloatArray] = {}
-        self._solids: dict[str, _Solids] = {}
+        self._solids = SolidLists()
         self._bodies: dict[tuple[int, int], list[int]] = {}  # material, type -> elements
         self._surface: dict[int, tuple[int, ...]] = {}  # corners of each surface element
         self._contacts = ContactElements()
@@ -126,9 +116,7 @@ class _Reader:
         raw.node_labels = np.array(self._labels, dtype=np.int64)
         raw.coordinates = np.array(self._coordinates, dtype=float)
         raw.node_lines = np.array(self._lines, dtype=np.int64)
-        for kind, solids in self._solids.items():
-            arrays = (np.array(each, dtype=np.int64) for each in (solids.labels, solids.cells, solids.lines))
-            raw.blocks.append(RawBlock(kind, *arrays))
+        raw.blocks += self._solids.blocks()
         self._write_bodies()
         self._write_materials()
         for entry in self._components:
@@ -177,7 +165,7 @@ class _Reader:
         if kind.startswith("NODE"):
             self.raw.node_sets[name] = members
         else:
-            solids = np.intersect1d(members, [label for each in self._solids.values() for label in each.labels])
+            solids = np.intersect1d(members, self._solids.labels())
             if solids.size:
                 self.raw.element_sets[name] = solids
             sides = [self._surface[label] for label in members.tolist() if label in self._surface]
@@ -189,8 +177,8 @@ class _Reader:
     def _members(self, entry: Entry) -> IntArray:
         """The members of a component that exist; a negative number ends a range."""
         nodes = entry.word(1).startswith("NODE")
-        solids = [label for each in self._solids.values() for label in each.labels]
-        defined = np.unique(np.array(self._labels if nodes else [*solids, *self._surface], dtype=np.int64))
+        elements = [*self._solids.labels().tolist(), *self._surface]
+        defined = np.unique(np.array(self._labels if nodes else elements, dtype=np.int64))
         chosen = np.zeros(defined.size, dtype=bool)
         first = 0
         for line, words in entry.rows:
@@ -253,10 +241,7 @@ class _Reader:
             if kind in _BRICKS and self._keys.get((number, 3)) == _LAYERED:
                 entry.fail(f"element {label} has layers (KEYOPT(3) = 1), which are not read.", line)
             shape, cell = _solid_shape(entry, label, nodes, line)
-            solids = self._solids.setdefault(shape, _Solids())
-            solids.labels.append(label)
-            solids.cells.append(cell)
-            solids.lines.append(line)
+            self._solids.add(shape, label, cell, line)
             self._bodies.setdefault((material, number), []).append(label)
         elif kind in CONTACT_TYPES:
             corners = _corners(nodes, kind == TARGET)

@@ -10,6 +10,7 @@ from stickslip.core.registry import Registry
 from stickslip.formats.meshes.abaqus import read_abaqus
 from stickslip.formats.meshes.ansys import read_ansys
 from stickslip.formats.meshes.build import build_model
+from stickslip.formats.meshes.ideas import read_ideas
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.meshio_files import read_gmsh, read_med, read_vtk, read_vtu
 from stickslip.formats.meshes.nastran import read_nastran
@@ -32,6 +33,7 @@ _FORMATS: Registry[RawModel] = Registry(
         "inp": read_abaqus,
         **dict.fromkeys(("bdf", "nas", "dat", "fem"), read_nastran),
         "cdb": _alone(read_ansys),
+        "unv": _alone(read_ideas),
         "msh": _alone(read_gmsh),
         "vtu": _alone(read_vtu),
         "vtk": _alone(read_vtk),
@@ -60,8 +62,8 @@ _ADVICE = {
 def read_model(
     path: str | PathLike[str], length_unit: str, unit_system: str | None = None, includes_outside: bool = False
 ) -> ImportedModel:
-    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .cdb (Ansys), .msh
-    (Gmsh), .vtu, .vtk, .med.
+    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .cdb (Ansys), .unv
+    (I-DEAS), .msh (Gmsh), .vtu, .vtk, .med.
 
     Other packages add formats through entry points of the group ``stickslip.model_formats`` (docs/extending.md).
 
