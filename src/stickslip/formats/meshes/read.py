@@ -88,6 +88,11 @@ def read_model(
     return build_model(read_raw(path, includes_outside), units)
 
 
+def is_model_file(path: str | PathLike[str]) -> bool:
+    """Whether the name of a file has the ending of a model format."""
+    return Path(path).suffix.lower().removeprefix(".") in _FORMATS.names()
+
+
 def read_raw(path: str | PathLike[str], includes_outside: bool = False) -> RawModel:
     """The entries of a model file in its own units; arguments as :func:`read_model`. Raises ImportFileError."""
     source = Path(path)
