@@ -22,6 +22,7 @@ from stickslip.formats.meshes.abaqus_keywords import (
     REFUSED,
     SILENT,
 )
+from stickslip.formats.meshes.abaqus_materials import MaterialCards
 from stickslip.formats.meshes.abaqus_systems import SystemCards
 from stickslip.formats.meshes.abaqus_ties import TieCards
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
@@ -32,7 +33,6 @@ from stickslip.formats.meshes.raw_model import (
     RawBody,
     RawConstraint,
     RawLoad,
-    RawMaterial,
     RawModel,
     RawSides,
 )
@@ -65,16 +65,16 @@ class _Reader:
         self._lines: list[int] = []
         self._names: dict[tuple[str, str], str] = {}  # kind of set and name in capitals -> name as first written
         self._pieces: dict[tuple[str, str], list[IntArray]] = {}
-        self._material = ""
         self._other_labels: list[int] = []
         self._blocks_named: list[tuple[str, str, IntArray, int]] = []  # instance, set, elements, line
-        self._sections: list[tuple[str, RawBody]] = []  # with their instance
+        self._sections: list[tuple[Card, RawBody]] = []
         self._skipped: dict[str, int] = {}
         self._reported: set[str] = set()  # element types with another formulation
         self._step = 0
         self._moved: list[int] = []  # lines of displacements other than 0
         self._other_loads: list[int] = []  # lines of moments and other loads that act on no displacement
         self._systems = SystemCards(self.raw, self._find)
+        self._materials = MaterialCards(self.raw)
         self._ties = TieCards(self.raw, self._find)
         self._contact = ContactCards(self.raw)
         self._cards: dict[str, Callable[[Card], None]] = {
@@ -84,11 +84,9 @@ class _Reader:
             "ELSET": lambda card: self._set(card, "element", card.parameter("ELSET")),
             "SURFACE": self._surface,
             "SOLID SECTION": self._section,
-            "MATERIAL": self._new_material,
-            "ELASTIC": self._elastic,
-            "DENSITY": self._density,
             "BOUNDARY": self._boundary,
             "CLOAD": self._load,
+            **self._materials.cards,
             **self._systems.cards,
             **self._ties.cards,
             **self._contact.cards,
@@ -124,7 +122,8 @@ class _Reader:
         self._ties.write(frames)
         self._contact.write()
         raw.ties.equations += equations
-        raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
+        sections = [(card.instance, replace(body, axes=self._materials.axes(card))) for card, body in self._sections]
+        raw.bodies = _named_bodies(sections or self._bodies_of_blocks())
         if self._step > 1:
             raw.messages.append(f"the deck has {self._step} steps; constraints and forces are those of the first one.")
         if self._moved:
@@ -322,44 +321,7 @@ class _Reader:
         if ("element", name.upper()) not in self._names:
             card.fail(f"ELSET={name} is a number; a section requires the name of an element set. Give one.")
         body = RawBody(self._names["element", name.upper()], elements, material, card.line)
-        self._sections.append((card.instance, body))
-
-    def _new_material(self, card: Card) -> None:
-        self._material = card.parameter("NAME").upper()
-        if self._material in self.raw.materials:
-            card.fail(f"material '{self._material}' is defined twice.")
-        self.raw.materials[self._material] = RawMaterial(None, None, None, card.line)
-
-    def _constants(self, card: Card, count: int) -> list[float]:
-        """The first ``count`` numbers of a card of the current material."""
-        if not self._material:
-            card.fail("there is no *MATERIAL above.")
-        if not card.data or len(card.data[0][1]) < count:
-            card.fail(f"{count} numbers are required below.")
-        if len(card.data) > 1:
-            self.raw.messages.append(
-                f"line {card.line}: *{card.keyword} of '{self._material}' depends on temperature; stickslip uses its "
-                "first line only."
-            )
-        line, words = card.data[0]
-        return [card.number(word, line) for word in words[:count]]
-
-    def _elastic(self, card: Card) -> None:
-        kind = card.parameters.get("TYPE", "ISO").upper()
-        if kind not in ("ISO", "ISOTROPIC"):
-            card.fail(
-                f"TYPE={kind} is not read; isotropic materials are (two numbers: Young's modulus, Poisson's ratio)."
-            )
-        young, poisson = self._constants(card, 2)
-        before = self.raw.materials[self._material]
-        self.raw.materials[self._material] = RawMaterial(young, poisson, before.density, before.line)
-
-    def _density(self, card: Card) -> None:
-        (density,) = self._constants(card, 1)
-        before = self.raw.materials[self._material]
-        self.raw.materials[self._material] = RawMaterial(
-            before.young_modulus, before.poisson_ratio, density, before.line
-        )
+        self._sections.append((card, body))
 
     def _boundary(self, card: Card) -> None:
         if self._step > 1:
