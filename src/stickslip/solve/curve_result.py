@@ -116,7 +116,7 @@ def response_of(
     fine = balances.with_harmonics(more_harmonics(harmonics, doubled, balances.damped_harmonics), doubled)
     check = check_resolution(balance, fine, trials, accuracy)
     report.stage("stability of the points")
-    reason = no_stability or reason_without(balance.pairs)
+    reason = no_stability or reason_without(balance)
     breaks = [each for each in breaks if each < len(trials) - 1]
     verdict, stability_message = _stability(trials, breaks, balance, balances, reason)
     report.stage("linear limits")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -25,7 +26,7 @@ class MotionInTime:
     def structure(self) -> Superelement:
         """The structure with the damping of the balance."""
         superelement = self._balances.superelement
-        return Superelement(superelement.mass, superelement.stiffness, self._balances.stuck.damping)
+        return replace(superelement, damping=self._balances.stuck.damping, recovery=None)
 
     def after(
         self, start: Mapping[str, FloatArray], omega: float, steps: int, periods: int, tolerance: float

@@ -131,7 +131,7 @@ class Balances:
     @cached_property
     def free(self) -> LinearLimit:
         """The structure without contact."""
-        return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.damping)
+        return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.velocity_matrix)
 
     @property
     def is_damped(self) -> bool:
@@ -141,7 +141,7 @@ class Balances:
     @property
     def equation(self) -> EquationOfMotion:
         """The terms of the equation of motion."""
-        return StructureEquation(self.superelement, self.stuck.damping, self.pairs.operator)
+        return StructureEquation(self.superelement, self.stuck.velocity_matrix, self.pairs.operator)
 
     @property
     def shown_pairs(self) -> ContactPairs:
