@@ -124,10 +124,6 @@ class ModalGain(Protocol):
     def growth(self) -> float:
         """Coefficient xi of the damping ``-xi M`` that is added, 1/s."""
 
-    @property
-    def whirls(self) -> bool:
-        """Whether the matrix of the velocities contains Coriolis forces."""
-
     def excited(self, by: SelfExcitation) -> Self:
         """The gain under a self-excitation."""
 
@@ -156,7 +152,6 @@ class ModalGain(Protocol):
 class _ModeGain:
     """Common parts of the two gains."""
 
-    whirls = False
     _own: _OwnStiffness
     _cached: Any  # what the gain computed at the last frequency; None before
 
@@ -232,7 +227,6 @@ class CoupledGain(_ModeGain):
         self._far_coupling = self._coupling.copy()
         self._far_coupling[..., :near_modes, :near_modes] = 0.0
         self._order = np.arange(1, harmonics + 1)[:, None]
-        self.whirls = has_coriolis(damping)
         self._cached: tuple[float, ComplexArray, ComplexArray] | None = None
 
     def transposed(self) -> Self:

@@ -18,7 +18,7 @@ from stickslip.contact.law.law import BoolArray
 from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray
 from stickslip.results.stability import Bifurcation, BifurcationKind
-from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
 from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
@@ -129,12 +129,9 @@ class _Verdict:
         return bool((self._real & (np.abs(self.values - 1.0) <= np.maximum(self.errors, distance))).any())
 
 
-def reason_without(balance: Balance) -> str:
-    """Why the stability of a joint and its structure is not computed, as a sentence; empty if it is."""
-    if balance.compliance.gain.whirls:
-        # The fast coordinates of the model have no coupling by velocities (march.py).
-        return "Stability was not computed: the superelement has a gyroscopic matrix, which multipliers do not contain."
-    names = laws_without_steps(balance.pairs)
+def reason_without(pairs: ContactPairs) -> str:
+    """Why the stability of a joint is not computed, as a sentence; empty if it is."""
+    names = laws_without_steps(pairs)
     if not names:
         return ""
     return (
