@@ -38,7 +38,6 @@ from stickslip.cli.options import (
     print_rows,
 )
 from stickslip.cli.process import tolerate_closed_output
-from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.files import require_folder, whole_file
 from stickslip.core.progress import terminal_progress
@@ -211,7 +210,7 @@ def run(
         from stickslip.study import run as study
 
         with terminal_progress(quiet) as progress, about_file(places):
-            outcome = study.run(case, out, progress=progress, threads=threads, raise_on_failure=CALLER_REPORTS)
+            outcome = study.unreported_run(case, out, progress=progress, threads=threads)
         _close(outcome, quiet)
 
 

@@ -164,19 +164,20 @@ class CyclicSector:
     def mass(self) -> FloatArray:
         """A cyclic sector has no single mass matrix: raises InputError, so that no analysis mistakes it for a
         structure."""
-        raise self._no_structure()
+        raise self.no_structure()
 
     @property
     def stiffness(self) -> FloatArray:
         """As :attr:`mass`."""
-        raise self._no_structure()
+        raise self.no_structure()
 
     @property
     def damping(self) -> FloatArray:
         """As :attr:`mass`."""
-        raise self._no_structure()
+        raise self.no_structure()
 
-    def _no_structure(self) -> InputError:
+    def no_structure(self) -> InputError:
+        """The error of an analysis that requires the matrices of a structure."""
         return InputError(
             "a cyclic sector has other matrices for each nodal diameter, and this analysis is not valid for it: only "
             "forced_response under Excitation.travelling_wave is. For other analyses give the full ring as a "
