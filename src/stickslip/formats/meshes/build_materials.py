@@ -21,7 +21,8 @@ def build_materials(
     """Material in SI units of each body that has a complete one.
 
     ``temperature`` is in the unit of the file; None: the first row of each table, with a message. Raises
-    ImportFileError for a material that does not exist or is not possible, InputError for a temperature that is no number.
+    ImportFileError for a material that does not exist or is not possible, InputError for a temperature that is not a
+    number.
     """
     if temperature is not None:
         real_number("temperature", temperature)
