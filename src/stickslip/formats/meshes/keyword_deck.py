@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
 
 from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.raw_model import LARGEST_LABEL, fail, read_text
+from stickslip.structure.cell_kinds import IntArray
 
 
 @dataclass
@@ -56,6 +58,10 @@ class Card:
         if not math.isfinite(value) or "_" in word:
             self.fail(f'"{word[:40]}" is no finite number.', line)
         return value
+
+
+# Labels of nodes or elements of a card: its kind of set, a set or number, and the line.
+Find = Callable[[Card, str, str, int], IntArray]
 
 
 def read_cards(source: Path, included: IncludedFiles) -> list[Card]:
