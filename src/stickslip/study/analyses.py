@@ -53,7 +53,7 @@ def forced_curve(
         largest_step=settings.largest_step, smallest_step=settings.smallest_step, first_step=settings.first_step
     )
     response = forced_response(
-        model.superelement,
+        model.substructure,
         model.pairs,
         model.excitation,
         frequency_hz=(settings.frequency_start, settings.frequency_stop),
