@@ -95,7 +95,7 @@ def new(
         str | None,
         typer.Option(
             "--kind",
-            help="Structure: two-blade (default), mesh (your own file) or matrices.",
+            help="Structure: two-blade (default), bladed-disk, mesh (your own file) or matrices.",
             show_default=False,
         ),
     ] = None,
