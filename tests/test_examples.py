@@ -145,7 +145,7 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 def documented_commands() -> list[str]:
     """Every command of the README and the guide, in a block or in a sentence, without its comment."""
     actual = []
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+    for page in [ROOT / "README.md", ROOT / "examples" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         text = page.read_text(encoding="utf-8")
         blocks = "".join(re.findall(r"```sh\n(.*?)```", text, flags=re.DOTALL))
         actual += re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
@@ -161,6 +161,16 @@ def test_documented_commands_are_understood(line: str) -> None:
     name, *words = shlex.split(line.replace("[", "").replace("]", ""))
     group = typer.main.get_command(app)
     group.commands[name].make_context(name, words)  # type: ignore[attr-defined]
+
+
+def test_the_index_of_the_examples_has_one_command_for_each() -> None:
+    """In the first argument of the command; :func:`documented_commands` has those of stickslip."""
+    text = (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^\| [^|]+ \| `((?:python|stickslip run) [^`]+)` \|$", text, flags=re.MULTILINE)
+    assert len(commands) == len(re.findall(r"^\|", text, flags=re.MULTILINE)) - 2  # heading and rule
+    listed = [next(word for word in shlex.split(command) if word.startswith("examples/")) for command in commands]
+    scripts = [*ROOT.glob("examples/*.py"), *ROOT.glob("examples/**/*.toml")]
+    assert sorted(listed) == sorted(path.relative_to(ROOT).as_posix() for path in scripts)
 
 
 @pytest.mark.slow

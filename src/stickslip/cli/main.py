@@ -152,11 +152,13 @@ def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
     with error_messages(debug):
         case, places = load_study(path, needs_range=False)
+        from stickslip.study.assembled import Assembled
         from stickslip.study.check import check as checked
         from stickslip.study.proposal import proposed_section
 
         with about_file(places):
-            sections = [*checked(case), proposed_section(case)]
+            assembled = Assembled.of(case)
+            sections = [*checked(case, assembled), proposed_section(case, assembled)]
         for title, rows in sections:
             echo(f"\n{title}")
             print_rows(rows)

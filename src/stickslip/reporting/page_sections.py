@@ -308,7 +308,7 @@ SECTIONS = (
 <ul class="changed">{% for line in changed %}<li><code>{{ line }}</code></li>{% endfor %}</ul>
 {% endif %}<details class="more"><summary>The complete study file</summary>
 {{ parts.input_text(inputs) }}</details>""",
-        lambda view: {"inputs": view.study.inputs, "changed": view.study.changed_inputs.splitlines()},
+        lambda view: {"inputs": view.study.inputs, "changed": view.changed_inputs},
     ),
     Section(
         "Settings and provenance",

@@ -8,22 +8,22 @@ from collections.abc import Iterator
 import numpy as np
 
 from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
-from stickslip.case.case import Case
+from stickslip.case.case import Case, TwoBladeCase
 from stickslip.case.load import has_range
 from stickslip.core.plausible import suspecting
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Layout
-from stickslip.model.model import kind_of, load_joint, set_up
+from stickslip.model.model import kind_of
 from stickslip.results.measures import hertz
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
+from stickslip.study.assembled import Assembled
 from stickslip.study.facts import (
     derived_quantities,
     sizes,
     study_warnings,
 )
-from stickslip.study.mode import require_mode
 from stickslip.study.performance_curve import HIGHEST_RATIO, LOWEST_RATIO, has_performance_curve
 from stickslip.study.record import CLOSED_AT_REST
 from stickslip.study.ridge import checked_range
@@ -34,17 +34,15 @@ USUAL_FRICTION = 1.5  # chosen: a larger friction coefficient is hardly that of 
 SHOWN_FREQUENCIES = 4  # chosen: the lowest ones, as a check of the model
 
 
-def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
-    """The content of a run, as sections of (label, value); builds the mesh and the joint, but reduces and solves
-    nothing.
+def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, list[tuple[str, str]]]]:
+    """The content of a run, as sections of (label, value); builds the mesh and the joint, unless they are given as
+    ``assembled``, but reduces and solves nothing.
 
     Raises InputError for a wrong geometry or a mode that does not exist, RoughnessError for a contact without
     stiffness.
     """
-    setup = set_up(case)
-    joint = load_joint(case, setup.layout)
-    structure = setup.assemble()
-    require_mode(case, structure, joint)
+    assembled = assembled or Assembled.of(case)
+    setup, joint, structure = assembled.setup, assembled.joint, assembled.structure
     numbers = [
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]
@@ -124,7 +122,21 @@ def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
     if has_stiffness_band(case):
         yield "stiffness band", "1/3 and 3 times the contact stiffness, which was not measured: two more curves"
     if has_performance_curve(case):
-        yield "performance curve", f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force"
+        yield (
+            "performance curve",
+            (
+                f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force, and lower "
+                "until the peak rises"
+            ),
+        )
+    elif isinstance(case, TwoBladeCase) and case.analysis.performance_curve and case.preload.method == "solved":
+        yield (
+            "performance curve",
+            (
+                'none with preload.method = "solved", whose static solution takes longer at each force than the peak; '
+                'kind = "ridge" over preload.centrifugal_force follows the peak with it'
+            ),
+        )
 
 
 def _wear(case: Case, joint: Joint) -> Iterator[tuple[str, str]]:
