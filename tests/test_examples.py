@@ -101,6 +101,18 @@ def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: py
     assert 190.0 < amplitude < 205.0
 
 
+@pytest.mark.slow
+def test_the_page_on_rotation_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (ROOT / "docs" / "theory_rotation.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    exec(compile(block, "theory_rotation.md", "exec"), {})
+    printed = capsys.readouterr().out
+    # A crossing of order k is at k W / 60 in Hz.
+    at = float(re.search(r"mode 1 meets engine order 4 at (\d+) rpm", printed).group(1))
+    assert 4.0 * at / 60.0 == pytest.approx(545.3, abs=1.0)
+    assert len(re.findall(r"\d+ rpm: [\d.]+ um", printed)) == 2
+
+
 @pytest.mark.long
 def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The commands run as printed, after the first one on a coarse mesh; only the published study is too long."""
