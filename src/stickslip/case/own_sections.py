@@ -26,7 +26,7 @@ from stickslip.case.quantities import (
     require_printable,
 )
 from stickslip.case.section import Required, Section, chosen_by, has_value, of_kind
-from stickslip.case.sections import PreloadSection, StructureSection
+from stickslip.case.sections import STRUCTURE_KINDS, PreloadSection, StructureSection
 from stickslip.core.errors import InputError
 from stickslip.core.units import LARGEST_INTEGER, Count, NodeNumber, Quantity
 
@@ -65,15 +65,9 @@ BodyName = Annotated[str, AfterValidator(require_printable)]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
 
-class MeshStructureSection(StructureSection):
-    """The structure is a mesh in a file."""
+class MeshFileSection(StructureSection):
+    """A mesh in a file."""
 
-    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("stiffness", "mass", "damping", "unknown_map", "node_positions"),
-        'does not belong to a structure of kind "mesh". Remove it.',
-    )
-
-    kind: Literal["mesh"] = Field(description="two-blade, mesh or matrices")
     file: Annotated[FileName, Required('is missing: a structure of kind "mesh" requires a mesh file.')] = Field(
         description="mesh, relative to the study file", examples=["blades.inp"]
     )
@@ -101,6 +95,17 @@ class MeshStructureSection(StructureSection):
         return {"file": self.file}
 
 
+class MeshStructureSection(MeshFileSection):
+    """The structure is a mesh in a file."""
+
+    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("stiffness", "mass", "damping", "unknown_map", "node_positions"),
+        'does not belong to a structure of kind "mesh". Remove it.',
+    )
+
+    kind: Literal["mesh"] = Field(description=STRUCTURE_KINDS)
+
+
 class SuperelementSection(StructureSection):
     """The structure is a superelement in a file, or stiffness and mass in files of another program."""
 
@@ -111,7 +116,7 @@ class SuperelementSection(StructureSection):
         ),
     }
 
-    kind: Literal["matrices"] = Field(description="two-blade, mesh or matrices")
+    kind: Literal["matrices"] = Field(description=STRUCTURE_KINDS)
     file: FileName = Field(description="superelement (.npz), relative to the study file", examples=["superelement.npz"])
 
     @property
@@ -125,7 +130,7 @@ class MatrixFilesSection(StructureSection):
 
     foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(("fixed", "element", "includes_outside"), _OF_MESH_STRUCTURE)
 
-    kind: Literal["matrices"] = Field(description="two-blade, mesh or matrices")
+    kind: Literal["matrices"] = Field(description=STRUCTURE_KINDS)
     stiffness: Annotated[FileName, Required("is missing: give file, or stiffness and mass.")] = Field(
         description="matrices, instead of file: .mtx, .mat, .npy ...", examples=["stiffness.mtx"]
     )

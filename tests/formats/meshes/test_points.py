@@ -10,9 +10,10 @@ import pytest
 from own_cases import EXAMPLE, mesh_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
-from stickslip.core.errors import ImportFileError
+from stickslip.core.errors import ImportFileError, InputError
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
+from stickslip.model.kinds.cyclic import _require_no_equations
 from stickslip.model.kinds.mesh import MeshSetup
 from stickslip.model.model import set_up
 from stickslip.structure.attachments import attach
@@ -147,3 +148,10 @@ def test_mass_points_of_a_study(tmp_path: Path) -> None:
     load = centrifugal_load(mesh, materials, *arguments, points.masses) - centrifugal_load(mesh, materials, *arguments)
     x, _, z = mesh.points[node]
     np.testing.assert_allclose(load[3 * node : 3 * node + 3], 3e-3 * np.array([x, 0.0, z]), rtol=1e-6, atol=1e-12)
+
+
+def test_a_sector_has_no_mass_points(tmp_path: Path) -> None:
+    """Its matrices would lack them."""
+    model = nastran(tmp_path, "CONM2,50,16,,2.-6")
+    with rejects(InputError, "structure.file"):
+        _require_no_equations(model)

@@ -7,12 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from stickslip.core.validation import FloatArray
-from stickslip.formats.meshes.keyword_deck import Card
+from stickslip.formats.meshes.keyword_deck import Card, Find
 from stickslip.formats.meshes.nastran_frames import Frame
 from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.structure.cell_kinds import IntArray
-
-Find = Callable[[Card, str, str, int], IntArray]
 
 
 class SystemCards:

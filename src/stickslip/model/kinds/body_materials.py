@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip.case.case import MeshCase
+from stickslip.case.case import SolidCase
 from stickslip.case.own_sections import BodySection
 from stickslip.case.template import bare_name
 from stickslip.core.errors import InputError, keys_of_section
@@ -21,7 +21,7 @@ _AXES = ("axis_1", "axis_2")
 _PARALLEL = 1e-6  # sine of the angle of two axes below which they count as parallel
 
 
-def body_materials(case: MeshCase, source: ImportedModel) -> tuple[Material, ...]:
+def body_materials(case: SolidCase, source: ImportedModel) -> tuple[Material, ...]:
     """Material of each body: of [bodies.NAME], else of the file, else of [material]. Raises InputError."""
     names = source.mesh.body_names
     unknown = [name for name in case.bodies if name not in names]
@@ -33,7 +33,7 @@ def body_materials(case: MeshCase, source: ImportedModel) -> tuple[Material, ...
     return tuple(_material(case, name, source) for name in names)
 
 
-def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
+def _material(case: SolidCase, name: str, source: ImportedModel) -> Material:
     sections = (case.bodies.get(name), source.materials.get(name), case.material)
     keys, strengths = ("young_modulus", "poisson_ratio", "density"), ("fatigue_limit", "tensile_strength")
     values: dict[str, float] = {}
@@ -63,7 +63,7 @@ def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
         return replace(made, fatigue_limit=values.get("fatigue_limit"), tensile_strength=values.get("tensile_strength"))
 
 
-def _elastic(case: MeshCase, name: str, source: ImportedModel) -> ArrayLike | None:
+def _elastic(case: SolidCase, name: str, source: ImportedModel) -> ArrayLike | None:
     """Elastic matrix of an anisotropic body in x, y, z, of the study or the file; None for an isotropic one.
 
     Raises InputError for orthotropic constants that are incomplete, beside isotropic ones, or not possible.

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.case.case import MeshCase
+from stickslip.case.case import MeshCase, SolidCase
 from stickslip.case.interface_sections import GROUND, MeshInterfaceSection
-from stickslip.case.own_sections import PlaceSection
+from stickslip.case.own_sections import MeshFileSection, PlaceSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground
 from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
@@ -122,16 +122,16 @@ class MeshKind(OwnKind[MeshCase]):
         Raises ImportFileError for the file; InputError that names the entry of the study file for a set that is missing
         or empty, a material that is missing, faces without a pair, and a body without support.
         """
-        source = _source(case)
+        source = read_source(case.structure)
         mesh, materials = source.mesh, body_materials(case, source)
         odd_values = tuple(model_oddities(mesh, dict(zip(mesh.body_names, materials, strict=True))))
         with suspecting(odd_values):
-            fixed = _fixed_unknowns(case, source)
-            pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
+            fixed = fixed_unknowns_of(case.structure.fixed, source)
+            pairings = tuple(pairing_of(mesh, name, each) for name, each in case.interfaces.items())
             require_single_joints(mesh, case.interfaces)
             ties = study_ties(mesh, source.equations, case.ties)
             named = dict(zip(case.interfaces, pairings, strict=True))
-            groups = _node_groups(case, source)
+            groups = node_groups_of(case, source)
             constraints = eliminated(ties, fixed, named, groups)
             require_independent(constraints, source, named)
             groups |= _following(case, source, groups, ties, constraints)
@@ -160,9 +160,8 @@ class MeshKind(OwnKind[MeshCase]):
         return None if section is None else BaseMotionOfSupport(section.direction, section.amplitude, section.kind)
 
 
-def _source(case: MeshCase) -> ImportedModel:
+def read_source(section: MeshFileSection) -> ImportedModel:
     """The mesh file."""
-    section = case.structure
     with keys_of_section("structure"), concerning("file"):
         return read_model(
             section.file, section.length_unit, section.unit_system, bool(section.includes_outside), section.temperature
@@ -170,7 +169,7 @@ def _source(case: MeshCase) -> ImportedModel:
 
 
 @contextmanager
-def _entry(name: str) -> Iterator[None]:
+def named_entry(name: str) -> Iterator[None]:
     """Put the entry of the study file before the message of an InputError, and set its keys."""
     try:
         with concerning(name):
@@ -179,18 +178,18 @@ def _entry(name: str) -> Iterator[None]:
         raise error.reworded(f"{name}: {error}") from error
 
 
-def _fixed_unknowns(case: MeshCase, source: ImportedModel) -> IntArray:
+def fixed_unknowns_of(fixed: Sequence[str], source: ImportedModel) -> IntArray:
     """Indices among 3 * n_nodes that the file or structure.fixed constrains to zero."""
     constrained = [source.fixed_unknowns]
-    for name in case.structure.fixed:
-        with _entry("structure.fixed"):
+    for name in fixed:
+        with named_entry("structure.fixed"):
             constrained.append((3 * source.mesh.node_set(name)[:, None] + np.arange(3)).ravel())
     return np.unique(np.concatenate(constrained)).astype(np.int64)
 
 
-def _pairing(mesh: Mesh, name: str, section: MeshInterfaceSection) -> Pairing:
+def pairing_of(mesh: Mesh, name: str, section: MeshInterfaceSection) -> Pairing:
     points = section.points or "nodes"
-    with _entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
+    with named_entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
         if section.second == GROUND:
             of_two_faces = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
             wrong = [key for key in of_two_faces if getattr(section, key) is not None]
@@ -241,7 +240,7 @@ def _layout(
     supported = fixed
     if source.attachments is not None:
         supported = np.union1d(fixed, source.attachments.grounded).astype(np.int64)
-    require_support(mesh, pairs, supported, constraints, source)
+    require_support(mesh, pairs.nodes, supported, constraints, source)
     _require_free(named, node_groups, fixed, source)
     messages = (
         *source.messages,
@@ -251,11 +250,11 @@ def _layout(
     return Layout(
         pairs,
         names,
-        tuple(_face_materials(mesh, materials, each) for each in pairings),
+        tuple(face_materials(mesh, materials, each) for each in pairings),
         node_groups,
         body_load,
         base_inertia,
-        tuple(_facts(names, pairings)),
+        tuple(pairing_facts(names, pairings)),
         messages,
         mesh.body_names,
         tuple((each.first,) if each.second == GROUND else (each.first, each.second) for each in pairings),
@@ -263,7 +262,7 @@ def _layout(
     )
 
 
-def _facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator[Derived]:
+def pairing_facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator[Derived]:
     for name, pairing in zip(names, pairings, strict=True):
         for label, value, unit in pairing.summary():
             yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "from the pairing of the faces"
@@ -274,7 +273,7 @@ def _unused_forces(source: ImportedModel) -> Iterator[str]:
         yield "the forces in the mesh file are not used; give them as [forces.NAME] or [static_loads.NAME]."
 
 
-def _face_materials(mesh: Mesh, materials: Sequence[Material], pairing: Pairing) -> tuple[Material, Material]:
+def face_materials(mesh: Mesh, materials: Sequence[Material], pairing: Pairing) -> tuple[Material, Material]:
     """Materials of both sides; the ground has that of the first side."""
     first = _body_of(mesh, pairing.first)
     second = first if pairing.second == GROUND else _body_of(mesh, pairing.second)
@@ -288,10 +287,10 @@ def _body_of(mesh: Mesh, name: str) -> int:
     return int(np.argmax(members))
 
 
-def _node_groups(case: MeshCase, source: ImportedModel) -> dict[str, NodeGroup]:
+def node_groups_of(case: SolidCase, source: ImportedModel) -> dict[str, NodeGroup]:
     """The groups of all places but those of reference nodes."""
     return {
-        name: _node_group(source, name, section)
+        name: node_group_of(source, name, section)
         for name, section in case.places.items()
         if not _is_reference(source, section)
     }
@@ -316,15 +315,15 @@ def _following(
         if name in groups:
             answer[name] = following_group(groups[name], source.mesh, constraints)
             continue
-        with _entry(name), concerning(f"{name}.node"):
+        with named_entry(name), concerning(f"{name}.node"):
             answer[name] = reference_group(int(section.node or 0), ties.equations, constraints)
     return answer
 
 
-def _node_group(source: ImportedModel, name: str, section: PlaceSection) -> NodeGroup:
+def node_group_of(source: ImportedModel, name: str, section: PlaceSection) -> NodeGroup:
     """The nodes of a place with their weights. Raises InputError that names the entry."""
     mesh = source.mesh
-    with _entry(name):
+    with named_entry(name):
         if section.node is not None:
             with concerning(f"{name}.node"):
                 return NodeGroup.single(int(source.node_numbers(np.array([section.node]))[0]))
