@@ -37,10 +37,17 @@ def changed_pairs(response: ForcedResponse, **constants) -> ContactPairs:
     return ContactPairs.with_laws(response.pairs.operator, [dataclasses.replace(response.pairs.coulomb, **constants)])
 
 
-@pytest.fixture
-def saved(response, tmp_path):
-    path = tmp_path / "results.nc"
+@pytest.fixture(scope="module")
+def content(response, tmp_path_factory):
+    path = tmp_path_factory.mktemp("saved") / "results.nc"
     save_results(path, response, synthetic_study(4, 3))
+    return path.read_bytes()
+
+
+@pytest.fixture
+def saved(content, tmp_path):
+    path = tmp_path / "results.nc"
+    path.write_bytes(content)
     return path
 
 
