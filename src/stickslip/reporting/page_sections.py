@@ -14,6 +14,7 @@ from typing import Any
 from stickslip.reporting import plots
 from stickslip.reporting.assumption_section import ASSUMPTIONS
 from stickslip.reporting.curve_plot import amplitude_frequency
+from stickslip.reporting.disk_section import DISK
 from stickslip.reporting.gradient_section import GRADIENTS
 from stickslip.reporting.look import Figure
 from stickslip.reporting.mode_section import NONLINEAR_MODE
@@ -178,6 +179,7 @@ SECTIONS = (
     PERFORMANCE_CURVE,
     PEAK_RIDGE,
     WEAR,
+    DISK,
     STRUCTURE,
     STRESS,
     Section(

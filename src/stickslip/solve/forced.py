@@ -19,13 +19,13 @@ from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import real_number, require_allowed, whole_number
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
-from stickslip.solve.cyclic.balances import SectorBalances, sector_balances
+from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.evidence import Settling
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT, FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
-from stickslip.solve.harmonic.neglected import CurveAccuracy, more_harmonics
+from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy, VaryingPoint
 from stickslip.solve.path.continuation import Branch
@@ -33,8 +33,8 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.path.work import Work
 from stickslip.solve.pieces import Pieces
-from stickslip.solve.setting_up import Balances, StageReport, checked_window, prepare_balances
-from stickslip.solve.traction_band import DEFAULT_STARTS, TractionBandSearch, checked_band_output
+from stickslip.solve.setting_up import StageReport, checked_window
+from stickslip.solve.traction_band import DEFAULT_STARTS, TractionBandSearch
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.superelement import Superelement
 
@@ -155,12 +155,8 @@ def unreported_response(
     window = checked_window(frequency_hz)
     threads = thread_count(threads)
     whole_number("traction_starts", traction_starts, 0)
-    if traction_band is not None and isinstance(superelement, CyclicSector):
-        raise InputError(
-            "traction_band is not computed for a cyclic sector: omit it, or give the full ring.",
-            arguments=["traction_band"],
-        )
-    band_output = None if traction_band is None else checked_band_output(pairs, traction_band, superelement.size)
+    structure = curve_structure(superelement)
+    band_output = None if traction_band is None else structure.band_output(pairs, traction_band)
     newton = newton or NewtonSettings()
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
@@ -168,17 +164,10 @@ def unreported_response(
     least = least_harmonics(harmonics, accuracy, samples, excitation)
     with solver_threads(3 * pairs.n_pairs, threads):
         highest = max(start_omega, stop_omega)
-        balances: Balances | SectorBalances
-        if isinstance(superelement, CyclicSector):
-            most = samples if accuracy is not None else more_harmonics(least, 2 * samples)
-            balances = sector_balances(
-                superelement, pairs, excitation, highest, least, most, samples, modal_damping_ratio, update,
-                report.stage,
-            )  # fmt: skip
-        else:
-            balances = prepare_balances(
-                superelement, pairs, excitation, highest, least, samples, modal_damping_ratio, update, report.stage
-            )
+        given = CurveInput(
+            pairs, excitation, highest, least, accuracy is not None, samples, modal_damping_ratio, update
+        )
+        balances = structure.balances(given, report.stage)
         unbounded = balances.unbounded(window)
         work = Work(2 * least + 1, WORK_PER_POINT * settings.max_points)
         curve = FrequencyCurve(balances.with_harmonics(least), work=work)
@@ -242,9 +231,9 @@ def unreported_response(
             accurate = Pieces(by_accuracy, window_omega, settling, varies=True).follow(start, how)
             points = accurate_points = [each.point for each in accurate.points]
             response = finished(accurate, varying.newton, varying.widest, varying.reached(accurate_points))
-        if band_output is not None and isinstance(balances, Balances):
+        if band_output is not None:
             search = TractionBandSearch(
-                balances, response.harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings,
+                balances.of_structure(), response.harmonics, resonances, window_omega, band_output, newton, settings,
                 report, traction_starts,
             )  # fmt: skip
             response = replace(response, traction_band=search.band(points))
