@@ -21,6 +21,7 @@ from stickslip.cli.many_cases import (
     about_file,
     close_cases,
     load_study,
+    pages_of_cases,
     require_one_place,
     solving,
     study_from,
@@ -260,6 +261,7 @@ def sweep(
         require_folder(out)
         with solving(replace(places, varied=tuple(varied)), scheduler, quiet) as (progress, executor):
             result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
+            pages_of_cases(result, out, progress)
         close_cases(result, quiet, "cases")
 
 
