@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-import typer.testing
+import typer.main
 
 # Numerical packages are imported by fixtures: the process that only distributes tests has no use for them.
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 def command_line() -> Iterator[None]:
     """The commands of a program are built once, not for each call of a test."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(typer.testing, "_get_command", functools.cache(typer.testing._get_command))
+        patch.setattr("typer.testing._get_command", functools.cache(typer.main.get_command))
         yield
 
 

@@ -32,7 +32,13 @@ def promised(section: str) -> list[str]:
     return re.findall(r"^print\(.*\)  # (.+)$", "\n".join(blocks(section)), flags=re.MULTILINE)
 
 
-@pytest.mark.parametrize("section", SECTIONS)
+# More than a second each.
+SLOW = ("A new parameter",)
+
+
+@pytest.mark.parametrize(
+    "section", [pytest.param(each, marks=pytest.mark.slow if each in SLOW else ()) for each in SECTIONS]
+)
 def test_blocks_run_and_print_what_they_promise(
     section: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -21,7 +21,7 @@ from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.results.groups import FORMAT_VERSION
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.results.storage import load_results, save_results
+from stickslip.results.storage import load_results, results_bytes, save_results
 from synthetic import synthetic_response, synthetic_study
 
 
@@ -37,11 +37,15 @@ def changed_pairs(response: ForcedResponse, **constants) -> ContactPairs:
     return ContactPairs.with_laws(response.pairs.operator, [dataclasses.replace(response.pairs.coulomb, **constants)])
 
 
+@pytest.fixture(scope="module")
+def stored(response):
+    return results_bytes(response, synthetic_study(4, 3))
+
+
 @pytest.fixture
-def saved(response, tmp_path):
-    path = tmp_path / "results.nc"
-    save_results(path, response, synthetic_study(4, 3))
-    return path
+def saved(stored, tmp_path):
+    (tmp_path / "results.nc").write_bytes(stored)
+    return tmp_path / "results.nc"
 
 
 @pytest.mark.slow
@@ -67,10 +71,7 @@ def test_a_file_without_a_rough_face_is_read(response, tmp_path):
         ({"height": np.zeros(5)}, ("height",)),
         ({"height": np.zeros((1, 5))}, ("height",)),
         ({"height": np.full((3, 3), np.nan)}, ("height",)),
-        (
-            {"length": 0.0},
-            ("length", "width"),
-        ),
+        ({"length": 0.0}, ("length", "width")),
     ],
 )
 def test_a_rough_face_that_is_no_grid_is_rejected(change, keys):

@@ -58,6 +58,7 @@ def test_a_search_far_from_a_peak_gives_a_reason() -> None:
     assert reason == "the estimate is far from a maximum"
 
 
+@pytest.mark.slow
 def test_the_highest_peak_switches_where_two_linear_peaks_are_equal() -> None:
     def problem_at(force: float) -> Problem:
         return two_resonances((force, 1.0))

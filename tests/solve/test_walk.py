@@ -120,7 +120,7 @@ def test_a_walk_is_reported() -> None:
 def test_a_body_that_sticks_does_not_walk() -> None:
     response = solved(share=0.005)
     assert (response.contact_state == ss.ContactState.STUCK).all()
-    assert not any("does not stay" in warning for warning in response.warnings)
+    printed_sentence("\n".join(response.warnings), numbers=False)
     assert response.walk is None
 
 

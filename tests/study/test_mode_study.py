@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import InputError
 from stickslip.model.model import build_model
 from stickslip.results.storage import load_results
@@ -40,7 +40,8 @@ def test_run_writes_the_mode_and_its_section(tmp_path: Path) -> None:
     assert mode.harmonic_amplitude(output, 1)[0] == pytest.approx(1e-8, rel=1e-3)
     assert mode.frequency_hz[0] == pytest.approx(saved.response.linear.stuck_frequency_hz[0], rel=1e-6)
     assert mode.provenance == {"solve_seconds": mode.provenance["solve_seconds"]}
-    assert "Nonlinear mode 1: The mode covers the range of amplitudes." in outcome.message
+    assert f"Nonlinear mode 1: {mode.message}" in outcome.message
+    printed_sentence(mode.message)
     assert "<h2>Nonlinear mode</h2>" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import stickslip as ss
 from own_cases import mesh_case
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import RoughnessError, StudyFileError
 from stickslip.results.storage import load_results
@@ -39,7 +39,7 @@ def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
     assert curve is not None
     assert peaks.converged, peaks.message
     # A damper of little mass bounces, and no ridge is followed there.
-    assert curve.message.startswith("The highest peak is known")
+    printed_sentence(curve.message.partition(" from ")[0])
     # Rough faces become stiffer with the load, so the lowest peak is at the end; the valley of friction is enclosed.
     assert curve.optimum.edge == "the upper end of the followed range"
     assert not curve.has_stuck_optimum
@@ -56,8 +56,9 @@ def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
     assert "<h2>Performance curve of the damper</h2>" in page
     assert "<h2>Peaks over a key of the study</h2>" in page
     assert f"Performance curve: {curve.message}" in outcome.message
-    assert "Below 15.9 N the roughness gives the faces no contact stiffness" in " ".join(curve.warnings)
-    assert "Ridge of peaks: The highest peak is known over the whole range." in outcome.message
+    printed_sentence("\n".join(curve.warnings), "15.9 N", numbers=False)
+    assert f"Ridge of peaks: {peaks.message}" in outcome.message
+    printed_sentence(peaks.message)
 
 
 @pytest.mark.slow

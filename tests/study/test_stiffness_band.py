@@ -130,6 +130,7 @@ def test_only_a_stiffness_from_roughness_has_a_band() -> None:
     assert not has_stiffness_band(Case.from_mapping(own))
 
 
+@pytest.mark.slow
 def test_a_curve_that_fails_is_a_warning(
     banded: tuple[Case, ReducedModel, ForcedResponse], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -147,6 +148,7 @@ def test_a_curve_that_fails_is_a_warning(
         printed_sentence(sentence)
 
 
+@pytest.mark.slow
 def test_a_range_that_a_curve_leaves_is_marked(banded: tuple[Case, ReducedModel, ForcedResponse]) -> None:
     """With three times the stiffness the amplitude rises to the end of the sweep: its peak is beyond."""
     case, model, response = banded

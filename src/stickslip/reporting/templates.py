@@ -135,6 +135,7 @@ def _environment(package: str) -> Environment:
     return environment
 
 
+@cache
 def _own_text(name: str, package: str = OWN_PACKAGE) -> Markup:
     """A style sheet or script of a package, which is no text of a user."""
     return Markup(asset(name, package))
@@ -145,11 +146,18 @@ def _scripts(own: Sequence[str]) -> tuple[Markup, ...]:
     tools = _own_text("tools.js")
     if not own:
         return (tools,)
+    return _plotly(), *map(_own_text, own), tools
+
+
+@cache
+def _plotly() -> Markup:
+    """The script of plotly.js, 4 MB."""
     from plotly.offline import get_plotlyjs
 
-    return Markup(get_plotlyjs()), *map(_own_text, own), tools
+    return Markup(get_plotlyjs())
 
 
+@cache
 def _source(script: str) -> str:
     """The script for a Content-Security-Policy: its hash, of the text as a browser reads it."""
     read = script.replace("\r\n", "\n").replace("\r", "\n")
