@@ -101,16 +101,6 @@ def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: py
     assert 190.0 < amplitude < 205.0
 
 
-def write_loops(path: Path) -> None:
-    """Loops of 1 mm of a slider with a limit of 50 N on a spring of 500 N/mm."""
-    slider, rows = 0.0, ["displacement [mm], force [N]"]
-    for step in range(601):
-        x = math.sin(2.0 * math.pi * step / 200.0)
-        slider = min(max(slider, x - 0.1), x + 0.1)
-        rows.append(f"{x:.6f}, {500.0 * (x - slider):.6f}")
-    path.write_text("\n".join(rows), encoding="utf-8")
-
-
 @pytest.mark.long
 def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The commands run as printed, after the first one on a coarse mesh; only the published study is too long."""
@@ -242,6 +232,26 @@ def test_guide_to_loops(capsys: pytest.CaptureFixture[str]) -> None:
     exec(compile(script, "loops.md", "exec"), {"__name__": "__main__"})
     printed = capsys.readouterr().out
     assert printed == re.findall(r"```text\n(.*?)```", guide, flags=re.DOTALL)[0]
+
+
+def write_loops(path: Path) -> None:
+    """Loops of 1 mm of a slider with a limit of 50 N on a spring of 500 N/mm."""
+    slider, rows = 0.0, ["displacement [mm], force [N]"]
+    for step in range(601):
+        x = math.sin(2.0 * math.pi * step / 200.0)
+        slider = min(max(slider, x - 0.1), x + 0.1)
+        rows.append(f"{x:.6f}, {500.0 * (x - slider):.6f}")
+    path.write_text("\n".join(rows), encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_command_of_the_guide_to_loops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_loops(tmp_path / "loops.csv")
+    guide = (ROOT / "docs" / "loops.md").read_text(encoding="utf-8")
+    result = CliRunner().invoke(app, shlex.split(re.findall(r"^stickslip (fit [^#\n]+)", guide, flags=re.MULTILINE)[0]))
+    assert result.exit_code == 0, result.output
+    assert "50 N" in result.output
 
 
 def test_make_targets_of_the_readme_exist() -> None:

@@ -98,6 +98,10 @@ from .structure.elasticity import Material as Material
 from .structure.elasticity import Structure as Structure
 from .structure.elasticity import assemble as assemble
 from .structure.mesh import Mesh as Mesh
+from .structure.rotating import RotatingStructure as RotatingStructure
+from .structure.rotating import rotating as rotating
+from .structure.rotating_reduction import rotating_superelement as rotating_superelement
+from .structure.rotating_superelement import RotatingSuperelement as RotatingSuperelement
 from .structure.sector_boundaries import cyclic_symmetry as cyclic_symmetry
 from .structure.sector_boundaries import with_next_sector as with_next_sector
 from .structure.sector_reduction import cyclic_sector as cyclic_sector

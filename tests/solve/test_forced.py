@@ -268,7 +268,6 @@ def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> Non
     printed_sentence(unfinished.message)
     with rejects(ConvergenceError):
         call(raise_on_failure=True)
-    assert not call(raise_on_failure=None).converged  # neither warns nor raises
 
 
 @pytest.mark.slow

@@ -86,7 +86,7 @@ def fit(
 
 
 def import_model(
-    path: Annotated[Path, typer.Argument(metavar="FILE", help=".inp, .bdf, .msh, .vtu, .med", show_default=False)],
+    path: Annotated[Path, typer.Argument(metavar="FILE", help=".inp, .bdf, .msh, .vtu, ...", show_default=False)],
     length_unit: Annotated[
         str | None, typer.Option("--length-unit", help="Unit of the coordinates: mm, m, ...")
     ] = None,

@@ -61,6 +61,20 @@ def study_from(source: Path, target: Path) -> str:
     return text
 
 
+def study_from_model(source: Path, target: Path, length_unit: str | None, unit_system: str | None) -> str:
+    """The text of a study file at ``target`` on the model file ``source``. Raises InputError and ImportFileError."""
+    from stickslip.formats.meshes.read import read_model
+    from stickslip.study.model_study import study_of_model
+
+    if length_unit is None:
+        raise InputError(
+            f"{source} does not contain its unit of length. Give --length-unit mm, m or another unit; "
+            f'"stickslip import {source}" shows the size of the model in both.'
+        )
+    model = read_model(source, length_unit, unit_system)
+    return study_of_model(model, relpath(source, target.parent), unit_system)
+
+
 @contextmanager
 def about_file(places: KeyPositions) -> Iterator[None]:
     """Put the study file's name and the lines of its keys before errors after reading."""

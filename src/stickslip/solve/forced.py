@@ -66,7 +66,7 @@ def forced_response(
     checks: bool = True,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> ForcedResponse:
     """Follow the periodic response to a harmonic excitation along the frequency.
 
@@ -117,8 +117,7 @@ def forced_response(
     progress:
         called with the finished fraction of the window and a message.
     raise_on_failure:
-        true: ConvergenceError for a curve that ends early; false: NotConvergedWarning. None: neither, for programs that
-        read ``converged`` themselves.
+        true: ConvergenceError for a curve that ends early; false: NotConvergedWarning.
 
     Returns
     -------
@@ -135,10 +134,26 @@ def forced_response(
         ConvergenceError if there is no first point, and for
         a curve that ends early with ``raise_on_failure``.
     """
+    response = unreported_response(
+        superelement, pairs, as_excitation(excitation, force_sin, force_cos), frequency_hz=frequency_hz,
+        harmonics=harmonics, accuracy=accuracy, samples=samples, modal_damping_ratio=modal_damping_ratio, update=update,
+        newton=newton, continuation=continuation, traction_band=traction_band, traction_starts=traction_starts,
+        checks=checks, threads=threads, progress=progress,
+    )  # fmt: skip
+    return reported(response, raise_on_failure)
+
+
+def unreported_response(
+    superelement: Superelement | CyclicSector, pairs: ContactPairs, excitation: Excitation, *,
+    frequency_hz: tuple[float, float], harmonics: int | None, accuracy: float | None, samples: int,
+    modal_damping_ratio: float | None, update: Update, newton: NewtonSettings | None,
+    continuation: ContinuationSettings | None, traction_band: ArrayLike | None, traction_starts: int, checks: bool,
+    threads: int | None, progress: ProgressCallback | None,
+) -> ForcedResponse:  # fmt: skip
+    """:func:`forced_response`, for a caller that reports a curve that ends early itself."""
     began = time.perf_counter()
     window = checked_window(frequency_hz)
     threads = thread_count(threads)
-    excitation = as_excitation(excitation, force_sin, force_cos)
     whole_number("traction_starts", traction_starts, 0)
     structure = curve_structure(superelement)
     band_output = None if traction_band is None else structure.band_output(pairs, traction_band)
@@ -224,8 +239,7 @@ def forced_response(
             response = replace(response, traction_band=search.band(points))
             response = replace(response, warnings=(*response.warnings, *search.warnings))
     cost = {"solve_seconds": f"{time.perf_counter() - began:.2f}", "solve_work": f"{work.total:.0f} iterations"}
-    response = replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | cost)
-    return reported(response, raise_on_failure)
+    return replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | cost)
 
 
 def least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:

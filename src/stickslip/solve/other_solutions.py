@@ -269,7 +269,7 @@ class _Search:
         return replace(followed, points=followed.points[max(first - 1, 0) : last + 1], closed=False)
 
     def _stable(self, points: Sequence[BalancePoint]) -> Flags:
-        if reason_without(self._balance.pairs):
+        if reason_without(self._balance.pairs) or self._balances.no_stability:
             return stable_between_folds([point.trial.omega for point in points])
         trials = [point.trial for point in points]
         return curve_stability(trials, self._balance.pairs, self._balances.stuck).stable

@@ -54,7 +54,7 @@ def quasi_static_mode(
     points_per_decade: int = 40,
     modal_damping_ratio: float | None = None,
     threads: int | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> QuasiStaticMode:
     """Estimate frequency and damping ratio of a stuck mode against amplitude from a static load in its shape.
 
@@ -78,6 +78,17 @@ def quasi_static_mode(
     InputError
         for inputs that cannot be used. ConvergenceError if there is no first point.
     """
+    result = unreported_static_mode(
+        superelement, pairs, mode, amplitude, points_per_decade, modal_damping_ratio, threads
+    )
+    return reported(result, raise_on_failure)
+
+
+def unreported_static_mode(
+    superelement: Superelement, pairs: ContactPairs, mode: int, amplitude: tuple[float, float], points_per_decade: int,
+    modal_damping_ratio: float | None, threads: int | None = None,
+) -> QuasiStaticMode:  # fmt: skip
+    """:func:`quasi_static_mode`, for a caller that reports a load that ends early itself."""
     began = time.perf_counter()
     lowest, highest = checked_amplitudes(amplitude)
     density = whole_number("points_per_decade", points_per_decade, 1)
@@ -101,8 +112,7 @@ def quasi_static_mode(
             f"{highest:.3g}."
         )
     seconds = time.perf_counter() - began
-    result = _result(ramp, levels, before.size, complete, message, modal_damping_ratio, seconds)
-    return reported(result, raise_on_failure)
+    return _result(ramp, levels, before.size, complete, message, modal_damping_ratio, seconds)
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Protocol, get_args
+from typing import Protocol, get_args
 
 import numpy as np
 
@@ -125,7 +125,14 @@ class Balances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
-    no_stability: ClassVar[str] = ""
+
+    @property
+    def no_stability(self) -> str:
+        """Why points have no stability; empty if they have."""
+        if self.superelement.gyroscopic is None:
+            return ""
+        # The fast coordinates of the march over a period have no coupling by velocities (stability/march.py).
+        return "Stability was not computed: the superelement has a gyroscopic matrix, which multipliers do not contain."
 
     @property
     def damped_harmonics(self) -> int | None:
@@ -140,7 +147,7 @@ class Balances:
     @cached_property
     def free(self) -> LinearLimit:
         """The structure without contact."""
-        return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.damping)
+        return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.velocity_matrix)
 
     @property
     def is_damped(self) -> bool:
@@ -150,7 +157,7 @@ class Balances:
     @property
     def equation(self) -> EquationOfMotion:
         """The terms of the equation of motion."""
-        return StructureEquation(self.superelement, self.stuck.damping, self.pairs.operator)
+        return StructureEquation(self.superelement, self.stuck.velocity_matrix, self.pairs.operator)
 
     @property
     def shown_pairs(self) -> ContactPairs:
@@ -190,7 +197,7 @@ class Balances:
 
     def in_time(self) -> MotionInTime:
         """The motion in time of the structure, with the damping of the balances."""
-        matrices = Superelement(self.superelement.mass, self.superelement.stiffness, self.stuck.damping)
+        matrices = replace(self.superelement, damping=self.stuck.damping, recovery=None)
         return MotionInTime(matrices, self.pairs, self.force)
 
     def of_structure(self) -> Balances:

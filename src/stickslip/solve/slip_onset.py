@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.law import ContactState
-from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import StickslipError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
@@ -28,7 +27,7 @@ from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
-from stickslip.solve.quasi_static_mode import quasi_static_mode
+from stickslip.solve.quasi_static_mode import unreported_static_mode
 from stickslip.solve.setting_up import Balances, CurveBalances, StageReport, prepare_balances
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.superelement import Superelement
@@ -198,11 +197,10 @@ def _sustained(
     shape = undamped.modes[:, moving[index]]
     force = balances.force.coefficients(2.0 * math.pi * peak.frequency_hz)[1:3] @ shape
     amplitude = motion * peak.amplitude / abs(float(output @ shape))
-    mode = quasi_static_mode(
-        balances.superelement, pairs, index + 1, (amplitude, HIGHEST_MOTION * amplitude),
-        points_per_decade=POINTS_PER_DECADE, modal_damping_ratio=balances.modal_damping_ratio,
-        raise_on_failure=CALLER_REPORTS,
-    )  # fmt: skip
+    amplitudes = amplitude, HIGHEST_MOTION * amplitude
+    mode = unreported_static_mode(
+        balances.superelement, pairs, index + 1, amplitudes, POINTS_PER_DECADE, balances.modal_damping_ratio
+    )
     omega = 2.0 * np.pi * mode.frequency_hz
     sustained = 2.0 * mode.damping_ratio * omega**2 * mode.modal_amplitude / np.linalg.norm(force)
     counts = (pairs.normal_load > 0.0) & ~np.isnan(pairs.friction_coefficient)

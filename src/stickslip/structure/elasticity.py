@@ -307,8 +307,8 @@ def _assembled(
             part = cells[start : start + _CELLS_AT_ONCE]
             corners = mesh.points[part]
             rows = (3 * part[:, :, None] + np.arange(3)).reshape(len(part), -1)
-            stiffness = stiffness + _scatter(cell_stiffness(corners, elastic), rows, 3 * mesh.n_nodes)
-            mass = mass + _scatter(consistent_mass(corners, material.density), part, mesh.n_nodes)
+            stiffness = stiffness + scattered(cell_stiffness(corners, elastic), rows, 3 * mesh.n_nodes)
+            mass = mass + scattered(consistent_mass(corners, material.density), part, mesh.n_nodes)
     mass = scipy.sparse.kron(mass, scipy.sparse.eye(3), format="csr")
     whole = Structure(mesh, stiffness, mass, nodes, element, unknowns, constraints=constraints)
     if constraints is not None:
@@ -340,7 +340,7 @@ def _existing(name: str, value: ArrayLike, size: int) -> IntArray:
     return numbers
 
 
-def _scatter(local: FloatArray, unknowns: IntArray, size: int) -> Any:
+def scattered(local: FloatArray, unknowns: IntArray, size: int) -> Any:
     """csr matrix (size, size) that sums cell matrices (m, k, k) at the unknowns (m, k) of each cell."""
     width = unknowns.shape[1]
     rows = np.repeat(unknowns, width, axis=1).ravel()

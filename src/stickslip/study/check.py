@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
-from stickslip.case.case import Case
+from stickslip.case.case import Case, TwoBladeCase
 from stickslip.case.load import has_range
 from stickslip.core.plausible import suspecting
 from stickslip.core.validation import FloatArray
@@ -136,7 +136,21 @@ def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
     if has_stiffness_band(case):
         yield "stiffness band", "1/3 and 3 times the contact stiffness, which was not measured: two more curves"
     if has_performance_curve(case):
-        yield "performance curve", f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force"
+        yield (
+            "performance curve",
+            (
+                f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force, and lower "
+                "until the peak rises"
+            ),
+        )
+    elif isinstance(case, TwoBladeCase) and case.analysis.performance_curve and case.preload.method == "solved":
+        yield (
+            "performance curve",
+            (
+                'none with preload.method = "solved", whose static solution takes longer at each force than the peak; '
+                'kind = "ridge" over preload.centrifugal_force follows the peak with it'
+            ),
+        )
 
 
 def _wear(case: Case, joint: Joint) -> Iterator[tuple[str, str]]:

@@ -59,22 +59,29 @@ def run(
     out_dir: str | PathLike[str],
     progress: Progress | None = None,
     threads: int | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> StudyOutcome:
     """Solve a case and write results.nc, report.html, single figures, and shapes for ParaView into ``out_dir``.
 
     An incomplete curve is written too; ``converged`` is then False, with a NotConvergedWarning, or with
-    ``raise_on_failure`` a ConvergenceError; None gives neither. ``threads`` None takes the environment variable
-    STICKSLIP_THREADS, or else the usable cores, at most 4. Raises InputError (geometry, roughness), OutputError
-    (folder, full disk), ConvergenceError (not even a first point), ResultsFileError.
+    ``raise_on_failure`` a ConvergenceError. ``threads`` None takes the environment variable STICKSLIP_THREADS, or else
+    the usable cores, at most 4. Raises InputError (geometry, roughness), OutputError (folder, full disk),
+    ConvergenceError (not even a first point), ResultsFileError.
     """
+    outcome = unreported_run(case, out_dir, progress, threads)
+    reported(least_complete(outcome.response), raise_on_failure)
+    return outcome
+
+
+def unreported_run(
+    case: Case, out_dir: str | PathLike[str], progress: Progress | None = None, threads: int | None = None
+) -> StudyOutcome:
+    """:func:`run`, for a caller that reports an incomplete curve itself."""
     out, count = Path(out_dir), thread_count(threads)
     require_places(out)
     # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.
     with threadpool_limits(limits=1), artist_of(Drawing(out / FIGURE_FOLDER, case)) as artist:
-        outcome = _run(case, out, progress or SilentProgress(), count, artist)
-    reported(least_complete(outcome.response), raise_on_failure)
-    return outcome
+        return _run(case, out, progress or SilentProgress(), count, artist)
 
 
 def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess | NoFigures) -> StudyOutcome:

@@ -80,13 +80,13 @@ def solve_case(
     case: Case,
     progress: Progress | None = None,
     threads: int | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> Solution:
     """Solve a case in memory; nothing is written.
 
     ``threads`` None takes the environment variable STICKSLIP_THREADS, or else the usable cores, at most 4. A curve,
-    mode, ridge or wear that ends early gives a NotConvergedWarning, or with ``raise_on_failure`` a ConvergenceError;
-    None gives neither. Raises InputError (geometry, roughness) and ConvergenceError (not even a first point).
+    mode, ridge or wear that ends early gives a NotConvergedWarning, or with ``raise_on_failure`` a ConvergenceError.
+    Raises InputError (geometry, roughness) and ConvergenceError (not even a first point).
     """
     count, listener = thread_count(threads), progress or SilentProgress()
     # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.

@@ -21,6 +21,8 @@ from stickslip.reporting.page import page
 from stickslip.results.measures import summary
 from stickslip.results.storage import load_results, save_results
 from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.structure.elasticity import Material, assemble
+from stickslip.structure.joined import joined_modes
 from stickslip.structure.mesh import Mesh
 from stickslip.study.check import check
 from stickslip.study.disk import DiskOfStudy
@@ -233,3 +235,27 @@ def test_a_force_on_a_constrained_node() -> None:
     content["forces"]["gas"]["set"] = "bore"
     with rejects(InputError, "forces.gas"):
         set_up(Case.from_mapping(content))
+
+
+@pytest.mark.slow
+def test_all_nodal_diameters_against_the_full_ring() -> None:
+    """The ring of all sectors with all its stuck pairs, by the ordinary path: the same frequencies, in pairs."""
+    content = data(sectors=6)
+    content["reduction"] = {"modes": 20}
+    case = Case.from_mapping(content)
+    model = build_model(case)
+    disk = DiskOfStudy.of(case, model)
+    assert disk is not None
+    ring, layout = disk.ring, disk.ring_layout(model.joint.layout)
+    full = assemble(ring.mesh, Material(), fixed_nodes=ring.mesh.node_set("bore"))
+    springs = np.tile(model.pairs.resting_stiffness(), 6)
+    whole, _ = joined_modes(full, layout.face_pairs, 12, springs)
+    found = disk.frequencies()
+    every = np.concatenate([np.repeat(row, 1 if each in (0, 3) else 2) for each, row in enumerate(found.stuck_hz)])
+    np.testing.assert_allclose(np.sort(every)[:12], whole, rtol=2e-4)  # by the reduction
+    unreduced = [
+        disk.structure.stuck_frequencies(model.joint.face_pairs, model.pairs.resting_stiffness(), each, 4)
+        for each in range(4)
+    ]
+    every = np.concatenate([np.repeat(row, 1 if each in (0, 3) else 2) for each, row in enumerate(unreduced)])
+    np.testing.assert_allclose(np.sort(every)[:12], whole, rtol=1e-7)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.formats.meshes.abaqus_assembly import flatten
+from stickslip.formats.meshes.abaqus_contact import ContactCards
 from stickslip.formats.meshes.abaqus_keywords import (
     CONSTRAINED_DIRECTIONS,
     ELEMENT_TYPES,
@@ -75,6 +76,7 @@ class _Reader:
         self._other_loads: list[int] = []  # lines of moments and other loads that act on no displacement
         self._systems = SystemCards(self.raw, self._find)
         self._ties = TieCards(self.raw, self._find)
+        self._contact = ContactCards(self.raw)
         self._cards: dict[str, Callable[[Card], None]] = {
             "NODE": self._nodes,
             "ELEMENT": self._elements,
@@ -89,6 +91,7 @@ class _Reader:
             "CLOAD": self._load,
             **self._systems.cards,
             **self._ties.cards,
+            **self._contact.cards,
         }
 
     def take(self, card: Card) -> None:
@@ -119,6 +122,7 @@ class _Reader:
         raw.held, equations = basic_constraints(raw.held, frames)
         raw.loads = basic_loads(raw.loads, frames)
         self._ties.write(frames)
+        self._contact.write()
         raw.ties.equations += equations
         raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
         if self._step > 1:

@@ -28,7 +28,7 @@ _REFERENCES = {
 # Positions of the words in the lines of a card that are a set or number.
 _WORDS = {
     **dict.fromkeys(("SURFACE", "BOUNDARY", "CLOAD", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING"), slice(0, 1)),
-    "TIE": slice(0, 2),
+    **dict.fromkeys(("TIE", "CONTACT PAIR", "CONTACT INCLUSIONS", "CONTACT PROPERTY ASSIGNMENT"), slice(0, 2)),
     "EQUATION": slice(0, None, 3),
     "MPC": slice(1, None),
 }

@@ -14,6 +14,7 @@ from stickslip.formats.meshes.build_ties import build_equations
 from stickslip.formats.meshes.element_checks import require_sound_elements
 from stickslip.formats.meshes.face_sets import build_face_sets
 from stickslip.formats.meshes.imported_model import ImportedModel
+from stickslip.formats.meshes.raw_contacts import GROUND, RawContact
 from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.formats.meshes.unit_systems import UnitSystem
 from stickslip.structure.cell_kinds import IntArray
@@ -76,6 +77,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
         fixed_unknowns=_fixed(raw, numbers, len(labels)),
         node_forces=_forces(raw, units, numbers, len(labels)),
         equations=equations,
+        contacts=tuple(_contacts(raw, mesh, messages)),
         messages=tuple(messages),
         warnings=tuple(odd.sentence for odd in model_oddities(mesh, materials)),
     )
@@ -236,6 +238,17 @@ def _parts(mesh: Mesh) -> list[str]:
                 "in contact, use a separate body for each side."
             )
     return sentences
+
+
+def _contacts(raw: RawModel, mesh: Mesh, messages: list[str]) -> Iterator[RawContact]:
+    """The contact pairs whose faces are sets of the mesh; a message on each pair."""
+    for contact in raw.contacts:
+        missing = [name for name in (contact.first, contact.second) if name != GROUND and name not in mesh.node_sets]
+        if missing:
+            messages.append(f"contact pair '{contact.name}': there is no face '{missing[0]}' of solids; it is ignored.")
+        else:
+            messages.append(f"{contact.words()} The study defines the joints.")
+            yield contact
 
 
 class _NodeNumbers:

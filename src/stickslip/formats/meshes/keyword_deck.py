@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
 
 from stickslip.formats.meshes.included_files import IncludedFiles
-from stickslip.formats.meshes.raw_model import LARGEST_LABEL, fail, read_text
+from stickslip.formats.meshes.raw_model import fail, read_text
+from stickslip.formats.meshes.words import as_label, as_number
 
 
 @dataclass
@@ -39,23 +39,11 @@ class Card:
 
     def label(self, word: str, line: int) -> int:
         """A node or element number; raises ImportFileError for anything else."""
-        try:
-            value = int(word)
-        except ValueError:
-            self.fail(f'"{word[:40]}" is not a node or element number.', line)
-        if not 0 < value < LARGEST_LABEL:
-            self.fail(f"{word[:40]} is not a node or element number; numbers are 1 to {LARGEST_LABEL - 1}.", line)
-        return value
+        return as_label(self.fail, word, line)
 
     def number(self, word: str, line: int) -> float:
         """A finite number; raises ImportFileError for anything else."""
-        try:
-            value = float(word.upper().replace("D", "E"))
-        except ValueError:
-            self.fail(f'"{word[:40]}" is no number.', line)
-        if not math.isfinite(value) or "_" in word:
-            self.fail(f'"{word[:40]}" is no finite number.', line)
-        return value
+        return as_number(self.fail, word, line)
 
 
 def read_cards(source: Path, included: IncludedFiles) -> list[Card]:

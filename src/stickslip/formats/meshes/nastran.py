@@ -19,6 +19,7 @@ import numpy as np
 from stickslip.formats.meshes.bulk_data import BulkCard, read_bulk
 from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.nastran_case import CaseControl, active_entries
+from stickslip.formats.meshes.nastran_contact import Elements, NastranContact
 from stickslip.formats.meshes.nastran_grids import Grids, constrained_nodes
 from stickslip.formats.meshes.nastran_include import join_files
 from stickslip.formats.meshes.nastran_systems import SYSTEM_CARDS, Systems
@@ -115,6 +116,8 @@ class _Reader:
         self._elements: dict[str, list[tuple[int, int, list[int], int]]] = {}  # kind -> label, property, nodes, line
         self._solids: dict[int, tuple[str, list[int]]] = {}
         self._shells: dict[tuple[int, int], list[tuple[list[int], int]]] = {}  # property, corners -> nodes, line
+        self._shell_corners: dict[int, list[int]] = {}
+        self._of_property: dict[int, list[int]] = {}  # elements, also shells
         self._properties: dict[int, BulkCard] = {}
         self._pressures: list[BulkCard] = []
         self._forces: list[BulkCard] = []
@@ -124,6 +127,7 @@ class _Reader:
         self._skipped: dict[str, int] = {}
         self._moved: list[int] = []  # lines of displacements other than 0
         self._ties = NastranTies()
+        self._contact = NastranContact()
         self._cards: dict[str, Callable[[BulkCard], None]] = {
             "GRID": self._grids.add,
             "GRDSET": self._grids.set_defaults,
@@ -141,6 +145,7 @@ class _Reader:
             **dict.fromkeys(_SOLIDS, self._solid),
             **dict.fromkeys(_SHELLS, self._shell),
             **self._ties.cards,
+            **self._contact.cards,
         }
 
     def take(self, card: BulkCard) -> None:
@@ -171,6 +176,7 @@ class _Reader:
         frames = self._grids.frames(raw, self._systems)
         raw.held, raw.ties.equations = self._grids.in_basic_directions(raw, constrained, frames)
         self._ties.write(raw, self._case, {label: rows for label, (rows, _) in frames.items()})
+        self._contact.write(raw, Elements(self._solids, self._shell_corners, self._of_property))
         raw.messages += _frame_messages(raw, list(frames))
         if self._moved:
             raw.messages.append(
@@ -259,11 +265,15 @@ class _Reader:
         label = card.integer(0)
         self._elements.setdefault(kind, []).append((label, card.integer(1, label), nodes, card.line))
         self._solids[label] = kind, nodes
+        self._of_property.setdefault(card.integer(1, label), []).append(label)
 
     def _shell(self, card: BulkCard) -> None:
         count = _SHELLS[card.name]
         nodes = [card.integer(2 + at) for at in range(count)]
-        self._shells.setdefault((card.integer(1, card.integer(0)), count), []).append((nodes, card.line))
+        label = card.integer(0)
+        self._shells.setdefault((card.integer(1, label), count), []).append((nodes, card.line))
+        self._shell_corners[label] = nodes
+        self._of_property.setdefault(card.integer(1, label), []).append(label)
 
     def _solid_property(self, card: BulkCard) -> None:
         number = card.integer(0)

@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.core.errors import ImportFileError
 from stickslip.core.input_files import read_regular
 from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.raw_contacts import RawContact
 from stickslip.formats.meshes.raw_ties import RawTies
 from stickslip.structure.mesh import IntArray
 
@@ -164,6 +165,7 @@ class RawModel:
     held: list[RawConstraint] = field(default_factory=list)
     loads: list[RawLoad] = field(default_factory=list)
     ties: RawTies = field(default_factory=RawTies)
+    contacts: list[RawContact] = field(default_factory=list)
     node_surfaces: set[str] = field(default_factory=set)
     other_elements: dict[str, int] = field(default_factory=dict)
     point_elements: dict[int, int] = field(default_factory=dict)
