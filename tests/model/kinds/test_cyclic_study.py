@@ -17,9 +17,11 @@ from stickslip.case.examples import EXAMPLES
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.model.kinds.cyclic import CyclicSetup
 from stickslip.model.model import build_model, load_joint, set_up
+from stickslip.reporting.disk_figures import disk_figures
 from stickslip.reporting.page import page
 from stickslip.results.measures import summary
 from stickslip.results.storage import load_results, save_results
+from stickslip.results.tables import study_tables
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.elasticity import Material, assemble
 from stickslip.structure.joined import joined_modes
@@ -27,7 +29,9 @@ from stickslip.structure.mesh import Mesh
 from stickslip.study.check import check
 from stickslip.study.disk import DiskOfStudy
 from stickslip.study.proposal import propose
+from stickslip.study.ridge import checked_range
 from stickslip.study.solution import solve_case
+from stickslip.sweeps.design import design
 
 # A small disk that solves in seconds.
 COARSE = {"contact_columns": 2, "contact_rows": 1, "sectors": 20}
@@ -131,6 +135,10 @@ def test_the_page_of_a_disk(tmp_path: Path) -> None:
     assert saved.study is not None
     assert saved.study.disk is not None
     np.testing.assert_array_equal(saved.study.disk.free_hz, record.disk.free_hz)
+    tables = {table.name: table for table in study_tables(solution.response, record)}
+    assert len(tables["nodal_diameters"].columns[0].values) == 11
+    drawn = disk_figures(solution.response, record)
+    assert set(drawn) == {"nodal_diameters", "disk"}
     text = str(page(solution.response, record))
     assert "Every sector has the same amplitude" in text
     assert "Nodal diameter of 20 sectors" in text
@@ -259,3 +267,11 @@ def test_all_nodal_diameters_against_the_full_ring() -> None:
     ]
     every = np.concatenate([np.repeat(row, 1 if each in (0, 3) else 2) for each, row in enumerate(unreduced)])
     np.testing.assert_allclose(np.sort(every)[:12], whole, rtol=1e-7)
+
+
+def test_designs_and_ridges_of_a_disk() -> None:
+    with rejects(InputError, "structure.kind"):
+        design(changed(), {"friction.coefficient": (0.2, 0.6)})
+    layout = set_up(changed()).layout
+    with rejects(InputError, "structure.kind"):
+        checked_range(changed(), "friction.coefficient", (0.2, 0.6), layout)
