@@ -49,7 +49,7 @@ class Study:
             raise self.error
         return self.outcome
 
-    def check(self, case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
+    def check(self, case: Case, assembled: Any) -> list[tuple[str, list[tuple[str, str]]]]:
         """Two sections."""
         if self.error:
             raise self.error
@@ -68,8 +68,9 @@ def study(monkeypatch: pytest.MonkeyPatch) -> Study:
     fake = Study()
     for name in ("unreported_run", "report"):
         monkeypatch.setattr(f"stickslip.study.run.{name}", getattr(fake, name))
+    monkeypatch.setattr("stickslip.study.assembled.Assembled.of", lambda case: None)
     monkeypatch.setattr("stickslip.study.check.check", fake.check)
-    monkeypatch.setattr("stickslip.study.proposal.proposed_section", lambda case: ("A sensible study", []))
+    monkeypatch.setattr("stickslip.study.proposal.proposed_section", lambda case, assembled: ("A sensible study", []))
     return fake
 
 
@@ -363,5 +364,5 @@ def test_the_real_solver_does_not_meet_numba_without_threads(tmp_path: Path, com
     more = ["--out", str(tmp_path / "out")] if command == "run" else []
     result = _stickslip(command, str(path), *more, NUMBA_NUM_THREADS="0")
     assert result.returncode == 2
-    assert result.stderr.startswith("Error: the environment variable NUMBA_NUM_THREADS is '0'")
+    printed_sentence(result.stderr, "NUMBA_NUM_THREADS", "'0'")
     assert not (tmp_path / "out").exists()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.solve.curve_result import LARGEST_UNBALANCE
 
 
@@ -46,8 +46,7 @@ def test_an_undamped_resonance_ends_the_curve() -> None:
     assert window.residual.max() <= LARGEST_UNBALANCE
     assert np.abs(window.displacement).max() < 1e6
     assert not window.converged
-    assert "There is no viscous damping" in window.message
-    assert "the equation of motion is satisfied only to" in window.message
+    printed_sentence(window.message, numbers=False)
 
 
 def test_contact_of_a_massless_unknown_is_solved_without_damping() -> None:

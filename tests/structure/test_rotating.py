@@ -123,3 +123,5 @@ def test_input_errors() -> None:
         ss.rotating(ss.Structure(beam.mesh, beam.stiffness, beam.mass, beam.fixed_nodes, "incompatible"), (0, 0, 1))
     with rejects(ss.InputError, "speed_rpm"):
         ss.rotating(beam, (0, 0, 1)).at(-1.0)
+    with rejects(ss.InputError, "speed_rpm"):  # bent by an axis beside it
+        ss.rotating(cantilever((10, 1, 1), (0.2, 0.02, 0.01)), (0, 0, 1), (0, 0.5, 0)).at(6000.0)

@@ -37,6 +37,10 @@ _MATERIAL = "is missing: only the two-blade structure has a default material."
 Acceleration = Annotated[
     float, Quantity("acceleration", at_least=1e-12, at_most=1e9, usual=(1e-6, 1e6), example='"9.81 m/s^2"')
 ]
+# Of a direction of a crystal; single ones exceed 0.5 or are negative.
+AnyRatio = Annotated[float, Quantity("pure number", at_least=-10.0, at_most=10.0)]
+# In the unit of the mesh file.
+Temperature = Annotated[float, Quantity("pure number", at_least=-1e5, at_most=1e5)]
 # Balancing grade G 0.4 of a dental drill leaves 1e-10 kg m, a ship's propeller has 1 kg m.
 Imbalance = Annotated[float, Quantity("unbalance", at_least=1e-18, at_most=1e6, example='"2e-6 kg m"')]
 
@@ -74,6 +78,9 @@ class MeshFileSection(StructureSection):
     unit_system: str | None = Field(default=None, description="of all other units in this file", examples=["mm-t-s"])
     includes_outside: bool | None = Field(
         default=None, description="true: the deck may include files outside of its folder", examples=[True]
+    )
+    temperature: Temperature | None = Field(
+        default=None, description="of constants in this file that depend on it, in its unit", examples=[650.0]
     )
     fixed: tuple[str, ...] = Field(
         default=(), description="clamped node or face sets, in addition to constraints in the file", examples=[["root"]]
@@ -172,6 +179,21 @@ class BodySection(Section):
     density: Density | None = Field(default=None, examples=["7800 kg/m^3"])
     fatigue_limit: FatigueLimit = None
     tensile_strength: TensileStrength = None
+    young_moduli: tuple[YoungModulus, YoungModulus, YoungModulus] | None = Field(
+        default=None, description="orthotropic: along the axes 1, 2, 3", examples=[["128 GPa", "128 GPa", "128 GPa"]]
+    )
+    poisson_ratios: tuple[AnyRatio, AnyRatio, AnyRatio] | None = Field(
+        default=None, description="orthotropic: nu12, nu13, nu23 (nu12: tension along 1)", examples=[[0.38, 0.38, 0.38]]
+    )
+    shear_moduli: tuple[YoungModulus, YoungModulus, YoungModulus] | None = Field(
+        default=None, description="orthotropic: G12, G13, G23", examples=[["120 GPa", "120 GPa", "120 GPa"]]
+    )
+    axis_1: Direction | None = Field(
+        default=None, description="orthotropic: axis 1 of the material; default x", examples=[[1.0, 0.0, 0.0]]
+    )
+    axis_2: Direction | None = Field(
+        default=None, description="orthotropic: in the plane of axes 1 and 2; default y", examples=[[0.0, 1.0, 0.0]]
+    )
 
 
 class OwnPreloadSection(PreloadSection):

@@ -21,6 +21,7 @@ from stickslip.cli.many_cases import (
     about_file,
     close_cases,
     load_study,
+    pages_of_cases,
     require_one_place,
     solving,
     study_from,
@@ -152,11 +153,13 @@ def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
     with error_messages(debug):
         case, places = load_study(path, needs_range=False)
+        from stickslip.study.assembled import Assembled
         from stickslip.study.check import check as checked
         from stickslip.study.proposal import proposed_section
 
         with about_file(places):
-            sections = [*checked(case), proposed_section(case)]
+            assembled = Assembled.of(case)
+            sections = [*checked(case, assembled), proposed_section(case, assembled)]
         for title, rows in sections:
             echo(f"\n{title}")
             print_rows(rows)
@@ -258,6 +261,7 @@ def sweep(
         require_folder(out)
         with solving(replace(places, varied=tuple(varied)), scheduler, quiet) as (progress, executor):
             result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
+            pages_of_cases(result, out, progress)
         close_cases(result, quiet, "cases")
 
 

@@ -49,8 +49,6 @@ class StudyRecord(Labelled):
         a heading, and one or two sentences under it.
     inputs:
         text of the study file as it was read.
-    changed_inputs:
-        lines "section.key = value" of the keys that differ from their defaults; "" in files of earlier versions.
     outputs:
         name -> row (n,) of one displacement, in m. The first is the response of the curve.
     signal_groups:
@@ -135,9 +133,6 @@ class StudyRecord(Labelled):
         ),
     )
     warnings: tuple[str, ...] = field(default=(), metadata=stored(Json(list[str], "warnings of the study, JSON list")))
-    changed_inputs: str = field(
-        default="", metadata=stored(Text("keys of the study file that differ from their defaults", optional=True))
-    )
     sketch: Sketch | None = field(default=None, metadata=stored(InGroup.of(Sketch, optional=True)))
     stress: StressSummary | None = field(default=None, metadata=stored(InGroup.of(StressSummary, optional=True)))
     disk: Disk | None = field(default=None, metadata=stored(InGroup.of(Disk, optional=True)))

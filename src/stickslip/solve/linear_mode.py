@@ -71,14 +71,22 @@ class LinearMode:
     load_shape: FloatArray
 
     @classmethod
-    def of(cls, superelement: Superelement, pairs: ContactPairs, number: int, limit: Limit) -> LinearMode:
-        """The mode with a ``number`` in a linear limit. Raises InputError."""
+    def of(
+        cls,
+        superelement: Superelement,
+        pairs: ContactPairs,
+        number: int,
+        limit: Limit,
+        stuck: LinearLimit | None = None,
+    ) -> LinearMode:
+        """The mode with a ``number`` in a linear limit; ``stuck`` is the stuck limit, if known. Raises InputError."""
         require_choice("limit", limit, get_args(Limit))
         whole_number("mode", number, 1)
         require_one_size(superelement, pairs)
         require_no_gyroscopic(superelement, "a mode")
         undamped = np.zeros_like(superelement.mass)
-        stuck = LinearLimit.of_matrices(superelement.mass, stuck_stiffness_matrix(superelement, pairs), undamped)
+        if stuck is None:
+            stuck = LinearLimit.of_matrices(superelement.mass, stuck_stiffness_matrix(superelement, pairs), undamped)
         chosen = stuck if limit == "stuck" else sliding_limit(superelement, pairs, undamped)
         moving = np.flatnonzero(~chosen.rigid)
         if number > moving.size:

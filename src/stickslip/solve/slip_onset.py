@@ -25,8 +25,10 @@ from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.peaks import Peak
 from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
+from stickslip.solve.linear_mode import LinearMode
 from stickslip.solve.quasi_static_mode import unreported_static_mode
 from stickslip.solve.setting_up import Balances, CurveBalances, StageReport, prepare_balances
 from stickslip.structure.cyclic_sector import CyclicSector
@@ -82,20 +84,20 @@ def slip_onset(
     """
     row = finite_array("output", output)
     undamped = np.zeros_like(superelement.mass)
-    limits = (
-        LinearLimit.of_matrices(superelement.mass, stuck_stiffness_matrix(superelement, pairs), undamped),
-        LinearLimit.of_matrices(superelement.mass, superelement.stiffness, undamped),
-    )
-    window = _window(limits)
+    known = stuck_structure(superelement, pairs, 2.0 * math.pi * (highest_hz or 1.0), modal_damping_ratio)
+    stuck_stiffness = stuck_stiffness_matrix(superelement, pairs)
+    stuck_limit = LinearLimit.of_modes(known.circular_frequency, known.modes, stuck_stiffness, undamped)
+    free_limit = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, undamped)
+    window = _window((stuck_limit, free_limit))
     report = StageReport(None)
     harmonics = excitation.on(superelement, 1).harmonics
     balances = prepare_balances(
         superelement, pairs, excitation, 2.0 * math.pi * (highest_hz or window[1]), harmonics, _SAMPLES,
-        modal_damping_ratio, "tractrix", report.stage,
+        modal_damping_ratio, "tractrix", report.stage, known,
     )  # fmt: skip
     stuck, free = (
         next((each for each in limit.peaks(window, balances.force, row) if each.bracketed), None)
-        for limit in (balances.closed, balances.free)
+        for limit in (balances.closed, free_limit.with_damping(balances.stuck.damping))
     )
     if not balances.closed.damping_ratio(window):
         stuck, free = (each and replace(each, amplitude=math.inf) for each in (stuck, free))
@@ -110,7 +112,7 @@ def slip_onset(
     if not math.isfinite(last):
         return SlipOnset(stuck, free, first, None, "some pairs do not move at the stuck peak.")
     try:
-        nearly_all = _sustained(balances, limits[0], stuck, last, row)
+        nearly_all = _sustained(balances, stuck_limit, stuck, last, row)
     except StickslipError as error:
         return SlipOnset(stuck, free, first, None, str(error))
     trouble = "" if nearly_all else f"some pairs stick up to {HIGHEST_MOTION:g} times the motion of the lower estimate."
@@ -197,10 +199,11 @@ def _sustained(
     shape = undamped.modes[:, moving[index]]
     force = balances.force.coefficients(2.0 * math.pi * peak.frequency_hz)[1:3] @ shape
     amplitude = motion * peak.amplitude / abs(float(output @ shape))
-    amplitudes = amplitude, HIGHEST_MOTION * amplitude
-    mode = unreported_static_mode(
-        balances.superelement, pairs, index + 1, amplitudes, POINTS_PER_DECADE, balances.modal_damping_ratio
+    linear = LinearMode.of(balances.superelement, pairs, index + 1, "stuck", undamped)
+    structure = stuck_structure(
+        balances.superelement, pairs, linear.omega, balances.modal_damping_ratio, balances.stuck
     )
+    mode = unreported_static_mode(structure, linear, (amplitude, HIGHEST_MOTION * amplitude), POINTS_PER_DECADE)
     omega = 2.0 * np.pi * mode.frequency_hz
     sustained = 2.0 * mode.damping_ratio * omega**2 * mode.modal_amplitude / np.linalg.norm(force)
     counts = (pairs.normal_load > 0.0) & ~np.isnan(pairs.friction_coefficient)

@@ -24,6 +24,9 @@ from stickslip.structure.rotation_matrices import (
 
 # chosen: modes without Coriolis forces in which those with them are computed: this multiple of the number, and more.
 BASIS_FACTOR, BASIS_MORE = 2, 12
+# chosen: static displacement over the diagonal of the bounding box. Without the change of geometry, frequencies of a
+# beam that is bent by 2 % of its length differ by up to 0.1 % from those of CalculiX, and by 6 % if it is 20 %.
+LARGEST_MOTION = 0.05
 COLLAPSE_ACCURACY = 1e-4  # chosen: of the speed in the message about the collapse of the stiffness
 
 
@@ -69,14 +72,29 @@ class RotatingStructure:
     def at(self, speed_rpm: float, argument: str = "speed_rpm") -> Structure:
         """The structure with its stiffness at a speed, without Coriolis forces; messages name the ``argument``.
 
-        Raises InputError for a negative speed, and for one at which the stiffness has collapsed: some pivots of its
-        factor are negative.
+        Raises InputError for a negative speed, for one at which the stiffness has collapsed (some pivots of its factor
+        are negative), and for one at which static displacements are above 5 % of the size of the structure.
         """
         speed = checked_speed(speed_rpm, np.inf, argument)
         stiffness = self._stiffness(speed)
         if not is_positive_definite(stiffness):
             checked_speed(speed, self._collapse_below(speed), argument)
+        self._require_small_motion(speed, argument)
         return replace(self.structure, stiffness=stiffness)
+
+    def _require_small_motion(self, speed_rpm: float, argument: str) -> None:
+        """Raise InputError for a speed at which the static displacements change the geometry."""
+        moved = float(np.linalg.norm(self.displacement.reshape(-1, 3), axis=1).max()) * (RPM * speed_rpm) ** 2
+        size = float(np.linalg.norm(np.ptp(self.structure.mesh.points, axis=0)))
+        if moved > LARGEST_MOTION * size:
+            allowed = speed_rpm * np.sqrt(LARGEST_MOTION * size / moved)
+            raise argument_error(
+                argument,
+                f"{argument} is {speed_rpm:g}, but the centrifugal load then moves the structure by "
+                f"{1e3 * moved:.4g} mm, {100.0 * moved / size:.3g} % of its size: linear prestress theory is valid up "
+                f"to {100.0 * LARGEST_MOTION:g} %, which is {allowed:.4g} rpm. Check the axis, its point and the "
+                "support.",
+            )
 
     def _stiffness(self, speed_rpm: float) -> Any:
         return (self.structure.stiffness + (RPM * speed_rpm) ** 2 * self.speed_stiffness).tocsr()

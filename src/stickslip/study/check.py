@@ -14,18 +14,18 @@ from stickslip.core.plausible import suspecting
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Layout
-from stickslip.model.model import AnyStructure, kind_of, load_joint, set_up
+from stickslip.model.model import AnyStructure, kind_of
 from stickslip.results.measures import hertz
 from stickslip.structure.cyclic_sector import folded
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.superelement import Superelement
+from stickslip.study.assembled import Assembled
 from stickslip.study.facts import (
     derived_quantities,
     sizes,
     study_warnings,
 )
-from stickslip.study.mode import require_mode
 from stickslip.study.performance_curve import HIGHEST_RATIO, LOWEST_RATIO, has_performance_curve
 from stickslip.study.record import CLOSED_AT_REST
 from stickslip.study.ridge import checked_range
@@ -36,17 +36,15 @@ USUAL_FRICTION = 1.5  # chosen: a larger friction coefficient is hardly that of 
 SHOWN_FREQUENCIES = 4  # chosen: the lowest ones, as a check of the model
 
 
-def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
-    """The content of a run, as sections of (label, value); builds the mesh and the joint, but reduces and solves
-    nothing.
+def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, list[tuple[str, str]]]]:
+    """The content of a run, as sections of (label, value); builds the mesh and the joint, unless they are given as
+    ``assembled``, but reduces and solves nothing.
 
     Raises InputError for a wrong geometry or a mode that does not exist, RoughnessError for a contact without
     stiffness.
     """
-    setup = set_up(case)
-    joint = load_joint(case, setup.layout)
-    structure = setup.assemble()
-    require_mode(case, structure, joint)
+    assembled = assembled or Assembled.of(case)
+    setup, joint, structure = assembled.setup, assembled.joint, assembled.structure
     numbers = [
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]

@@ -16,6 +16,7 @@ from stickslip.model.model import Model, build_model, kind_of
 from stickslip.results.measures import hertz
 from stickslip.solve.slip_onset import NEARLY_ALL, SlipOnset, sector_slip_onset, slip_onset
 from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.study.assembled import Assembled
 
 # chosen: the range goes on by this fraction of the frequency beyond both linear peaks.
 BEYOND_PEAKS = 0.08
@@ -80,15 +81,16 @@ class Proposal:
         yield "to write them", '"stickslip new FILE --from STUDY"'
 
 
-def proposed_section(case: Case) -> tuple[str, list[tuple[str, str]]]:
+def proposed_section(case: Case, assembled: Assembled) -> tuple[str, list[tuple[str, str]]]:
     """The proposal as a section of ``stickslip check``. Raises InputError."""
-    return "A sensible study", list(propose(case).rows(case))
+    return "A sensible study", list(propose(case, assembled).rows(case))
 
 
-def propose(case: Case, threads: int | None = None) -> Proposal:
-    """The proposal for a case; builds and reduces its structure, which a run uses again. Raises InputError for a case
-    whose structure cannot be built."""
-    model = build_model(case, threads=thread_count(threads))
+def propose(case: Case, assembled: Assembled | None = None, threads: int | None = None) -> Proposal:
+    """The proposal for a case; builds its structure, unless it is given as ``assembled``, and reduces it; a run uses
+    the reduction again. Raises InputError for a case whose structure cannot be built."""
+    assembled = assembled or Assembled.of(case)
+    model = build_model(case, assembled.structure, assembled.joint, thread_count(threads))
     output = next(iter(model.outputs.values()))
     highest_hz = max(case.solver.frequency_start, case.solver.frequency_stop)
     try:

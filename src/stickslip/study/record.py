@@ -13,7 +13,7 @@ from stickslip.case.reference import MODE_COUNT
 from stickslip.contact.law.law import ContactState
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.contact.pairing.rows import EFFECT_OF_FEW_ROWS, FEW_ROWS, faces_with_few_rows
-from stickslip.core.errors import ConvergenceError
+from stickslip.core.errors import ConvergenceError, StudyFileError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Derived
@@ -55,7 +55,6 @@ def study_record(
         title=case.study.title,
         description=kind_of(case).description(case),
         inputs=case.to_text(),
-        changed_inputs="\n".join(case.changed_keys()),
         outputs=dict(model.outputs),
         signal_groups=dict(model.signal_groups),
         face_names=model.joint.face_names,
@@ -68,6 +67,15 @@ def study_record(
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *linear_natural_frequencies(response)),
         warnings=(*study_warnings(case, model.joint), *doubts, *_few_rows(model, response)),
     )
+
+
+def changed_inputs(record: StudyRecord) -> tuple[str, ...]:
+    """Lines "section.key = value" of the inputs that differ from their defaults; none for the inputs of a version whose
+    study files this one rejects."""
+    try:
+        return Case.from_text(record.inputs).changed_keys()
+    except StudyFileError:
+        return ()
 
 
 def _few_rows(model: ReducedModel, response: ForcedResponse) -> Iterator[str]:

@@ -37,6 +37,7 @@ from stickslip.study.places import (
     require_places,
     require_space_for,
 )
+from stickslip.study.record import changed_inputs
 from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import least_complete, reported_model, solved
 from stickslip.study.stiffness_band import with_stiffness_band
@@ -128,7 +129,7 @@ def _page(out: Path, response: ForcedResponse, record: StudyRecord) -> Path:
     """Write the page."""
     from stickslip.reporting.page import write_page
 
-    write_page(out / REPORT_FILE, response, record)
+    write_page(out / REPORT_FILE, response, record, changed_inputs(record))
     return out / REPORT_FILE
 
 

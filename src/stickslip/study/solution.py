@@ -14,14 +14,14 @@ from stickslip.core.completeness import Ended, reported
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.model.layout import Setup
-from stickslip.model.model import Model, build_model, load_joint, set_up
+from stickslip.model.model import Model, build_model
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import solve
+from stickslip.study.assembled import Assembled
 from stickslip.study.disk import DiskOfStudy
 from stickslip.study.gradients import with_gradients
-from stickslip.study.mode import require_mode
 from stickslip.study.record import compare_modes, study_record, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
 from stickslip.study.stress import StressAtPeak, stress_at_peak
@@ -106,14 +106,15 @@ def least_complete(response: ForcedResponse) -> Ended:
 def reported_model(case: Case, progress: Progress, threads: int) -> tuple[Setup, Model]:
     """The structure of a case before its matrices, and its model; ``progress`` receives the finished fraction."""
     progress.update("Structure", 0.0, "mesh and matrices")
-    setup = set_up(case)
-    joint = load_joint(case, setup.layout)
-    structure = setup.assemble()
-    require_mode(case, structure, joint)
+    parts = Assembled.of(case)
     model = build_model(
-        case, structure, joint, threads, lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail)
+        case,
+        parts.structure,
+        parts.joint,
+        threads,
+        lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail),
     )
-    return setup, model
+    return parts.setup, model
 
 
 def solved(case: Case, model: Model, progress: Progress, threads: int) -> Solution:

@@ -108,7 +108,7 @@ def test_a_sector_without_damping() -> None:
 
 def test_contact_far_stiffer_than_the_disk() -> None:
     stiff = ContactPairs(DISK.operator, 1e15, 1e15, 0.3, normal_load=10.0)
-    with pytest.raises(InputError, match="more than 1e"):
+    with rejects(InputError):
         solve(pairs=stiff)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
@@ -9,6 +10,7 @@ from typing import NoReturn
 from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.raw_model import fail, read_text
 from stickslip.formats.meshes.words import as_label, as_number
+from stickslip.structure.cell_kinds import IntArray
 
 
 @dataclass
@@ -44,6 +46,10 @@ class Card:
     def number(self, word: str, line: int) -> float:
         """A finite number; raises ImportFileError for anything else."""
         return as_number(self.fail, word, line)
+
+
+# Labels of nodes or elements of a card: its kind of set, a set or number, and the line.
+Find = Callable[[Card, str, str, int], IntArray]
 
 
 def read_cards(source: Path, included: IncludedFiles) -> list[Card]:

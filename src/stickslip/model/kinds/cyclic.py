@@ -17,10 +17,10 @@ from stickslip.core.errors import InputError, keys_of_section
 from stickslip.core.plausible import suspecting
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.model.kinds.bladed_disk_mesh import LEFT, RIGHT, BladedDisk
+from stickslip.model.kinds.body_materials import body_materials
 from stickslip.model.kinds.mesh import (
     PAIRS_FILE,
     MeshSetup,
-    body_materials,
     face_materials,
     fixed_unknowns_of,
     named_entry,

@@ -12,7 +12,6 @@ import numpy as np
 from stickslip.case.case import MeshCase, SolidCase
 from stickslip.case.interface_sections import GROUND, MeshInterfaceSection
 from stickslip.case.own_sections import MeshFileSection, PlaceSection
-from stickslip.case.template import bare_name
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground
 from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
@@ -20,6 +19,7 @@ from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.plausible import OddValue, suspecting
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
+from stickslip.model.kinds.body_materials import body_materials
 from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.kinds.ties import (
@@ -75,7 +75,7 @@ class MeshSetup:
             (
                 f"body {name}",
                 f"{np.count_nonzero(mesh.body == number)} elements, {material.density * volume:.4g} kg, "
-                f"E {1e-9 * material.young_modulus:.4g} GPa, density {material.density:.4g} kg/m^3",
+                f"E {1e-9 * material.young_modulus:.4g} GPa{_average(material)}, density {material.density:.4g} kg/m^3",
             )
             for number, (name, volume, material) in enumerate(
                 zip(mesh.body_names, volumes, self.materials, strict=True)
@@ -103,6 +103,10 @@ class MeshSetup:
     def write_places(self, folder: Path) -> tuple[Path, ...]:
         """The pairs, and the points of their faces without a partner."""
         return (write_pairs(folder / PAIRS_FILE, self.pairings),)
+
+
+def _average(material: Material) -> str:
+    return "" if material.elastic is None else " (average of all directions)"
 
 
 class MeshKind(OwnKind[MeshCase]):
@@ -155,7 +159,9 @@ class MeshKind(OwnKind[MeshCase]):
 def read_source(section: MeshFileSection) -> ImportedModel:
     """The mesh file."""
     with keys_of_section("structure"), concerning("file"):
-        return read_model(section.file, section.length_unit, section.unit_system, bool(section.includes_outside))
+        return read_model(
+            section.file, section.length_unit, section.unit_system, bool(section.includes_outside), section.temperature
+        )
 
 
 @contextmanager
@@ -166,43 +172,6 @@ def named_entry(name: str) -> Iterator[None]:
             yield
     except InputError as error:
         raise error.reworded(f"{name}: {error}") from error
-
-
-def body_materials(case: SolidCase, source: ImportedModel) -> tuple[Material, ...]:
-    """Material of each body: of [bodies.NAME], else of the file, else of [material]. Raises InputError."""
-    names = source.mesh.body_names
-    unknown = [name for name in case.bodies if name not in names]
-    if unknown:
-        raise InputError(
-            f"[bodies.{bare_name(unknown[0])}] is no body of {source.source}; its bodies are: {', '.join(names)}.",
-            (f"bodies.{unknown[0]}",),
-        )
-    return tuple(_material(case, name, source) for name in names)
-
-
-def _material(case: SolidCase, name: str, source: ImportedModel) -> Material:
-    sections = (case.bodies.get(name), source.materials.get(name), case.material)
-    keys, strengths = ("young_modulus", "poisson_ratio", "density"), ("fatigue_limit", "tensile_strength")
-    values: dict[str, float] = {}
-    for key in (*keys, *strengths):
-        candidates = [getattr(each, key, None) for each in sections if each is not None]
-        present = [value for value in candidates if value is not None]
-        if present:
-            values[key] = present[0]
-    missing = [key for key in keys if key not in values]
-    if missing:
-        # an incomplete material of the file is not used in part
-        messages = [words for words in source.messages if words.startswith("material ") and f"body '{name}'" in words]
-        section = f"[bodies.{bare_name(name)}]"
-        raise InputError(
-            f"body '{name}' has no {', no '.join(missing)}: neither {section}, nor the mesh file, nor [material] "
-            f"gives it.{' In the file, ' + messages[0] if messages else ''} Give a section {section} for this body, or "
-            "[material] for all bodies without one.",
-            (f"bodies.{name}" if name in case.bodies else "structure.file",),
-        )
-    home = f"bodies.{name}" if name in case.bodies else "material"
-    with keys_of_section(home):
-        return Material(**values)
 
 
 def fixed_unknowns_of(fixed: Sequence[str], source: ImportedModel) -> IntArray:

@@ -188,7 +188,7 @@ class StuckStructure:
         own = self.pairs
         return (
             self.origin[0] is origin[0]
-            and self.origin[1:] == origin[1:]
+            and self.origin[2] == origin[2]
             and np.array_equal(own.operator, pairs.operator)
             and np.array_equal(own.resting_stiffness(), pairs.resting_stiffness())
             and np.array_equal(restrained(own), restrained(pairs))
@@ -240,14 +240,18 @@ def stuck_structure(
 
     ``modal_damping_ratio`` gives the stuck modes one ratio (see :func:`stickslip.solve.harmonic.damping.modal_damping`;
     ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
-    A ``known`` structure gives its modes and static response if they are the same. Raises InputError for an operator of
-    another size, for both kinds of damping at once, or a singular structure.
+    A ``known`` structure, also for another highest excitation, gives its modes and static response if they are the
+    same. Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
     """
     n = superelement.size
     require_one_size(superelement, pairs)
     origin = superelement, highest_omega, modal_damping_ratio
     if known is not None and known.is_of(origin, pairs):
-        return replace(known, pairs=pairs)
+        known = replace(known, pairs=pairs, highest_omega=highest_omega, origin=origin)
+        if modal_damping_ratio is None:
+            return known
+        damping = modal_damping(known.circular_frequency, modal_damping_ratio, highest_omega)
+        return replace(known, modal_damping=damping)
     if modal_damping_ratio is not None and superelement.damping is not None:
         raise InputError(
             "give either a damping matrix in the superelement or modal_damping_ratio, not both.",

@@ -125,7 +125,13 @@ class LinearLimit:
     @classmethod
     def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
         """The limit of a structure given by its matrices (n, n)."""
-        circular_frequency, modes = modal_basis(mass, stiffness)
+        return cls.of_modes(*modal_basis(mass, stiffness), stiffness, damping)
+
+    @classmethod
+    def of_modes(
+        cls, circular_frequency: FloatArray, modes: FloatArray, stiffness: FloatArray, damping: FloatArray
+    ) -> LinearLimit:
+        """The limit of a structure whose mass-normalised modes (n, n) are known."""
         # The round-off of a frequency of zero is far below this fraction of the highest one.
         slow = circular_frequency <= POSSIBLY_RIGID * circular_frequency.max()
         rigid = np.zeros(slow.size, dtype=bool)
@@ -136,6 +142,11 @@ class LinearLimit:
     def natural_hz(self) -> FloatArray:
         """(n,) natural frequencies."""
         return self.resonant.circular_frequency / (2.0 * np.pi)
+
+    def with_damping(self, damping: FloatArray) -> LinearLimit:
+        """The same modes with another damping matrix (n, n)."""
+        modal = self.modes.conj().T @ damping @ self.modes
+        return LinearLimit(self.circular_frequency, self.modes, modal, self.rigid)
 
     def moved_by(self, force: ExcitationForce) -> NDArray[np.bool_]:
         """(H, n) whether a harmonic of the force moves a mode (of ``resonant``), beyond round-off."""
