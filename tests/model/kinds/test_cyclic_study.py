@@ -11,6 +11,7 @@ import pytest
 import scipy.linalg
 
 from model_writers import write_inp
+from sectors import annulus
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.case.examples import EXAMPLES
@@ -275,3 +276,22 @@ def test_designs_and_ridges_of_a_disk() -> None:
     layout = set_up(changed()).layout
     with rejects(InputError, "structure.kind"):
         checked_range(changed(), "friction.coefficient", (0.2, 0.6), layout)
+
+
+def test_a_body_over_three_sectors(tmp_path: Path) -> None:
+    own = annulus(6, (0.05, 0.1), 0.01, (2, 2, 1))
+    long = annulus(6, (0.11, 0.13), 0.01, (1, 2, 1), of=3)
+    mesh = Mesh(
+        np.vstack([own.points, long.points]),
+        np.vstack([own.cells, np.asarray(long.cells) + own.n_nodes]),
+        np.repeat([0, 1], [own.n_cells, long.n_cells]),
+        {**own.node_sets, "tip": np.array([own.n_nodes - 1])},
+        ("plate", "band"),
+    )
+    write_inp(tmp_path / "sector.inp", mesh, ["plate", "band"], [], "inner")
+    content = data()
+    content["structure"] = {
+        "kind": "cyclic", "file": str(tmp_path / "sector.inp"), "length_unit": "mm", "left": "left", "right": "right",
+    }  # fmt: skip
+    with rejects(InputError, "structure.file"):
+        set_up(Case.from_mapping(content))
