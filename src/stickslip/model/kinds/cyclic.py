@@ -140,13 +140,13 @@ class CyclicKind(OwnKind[CyclicCase]):
 
     def facts(self, case: CyclicCase) -> tuple[Derived, ...]:
         """What a travelling wave means for the numbers of the page."""
-        order = case.travelling_wave.engine_order
+        wave = self.wave(case)
         return (
             (
                 "Engine order",
-                order,
+                wave.engine_order,
                 "-",
-                f"{case.travelling_wave.direction} wave round the disk; all forces travel with it",
+                f"{wave.direction} wave; all forces travel with it",
             ),
             ("Sectors", "all alike", "-", "amplitudes, energies and forces are those of each one, at another time"),
         )
