@@ -10,7 +10,7 @@ import pytest
 
 import stickslip as ss
 from castings import casting_case
-from helpers import Blade
+from helpers import Blade, benchmark_module
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.results.response_data import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
@@ -207,6 +207,26 @@ def test_a_body_on_friction_alone_has_no_multiplier_of_its_drift() -> None:
     assert response.multipliers is not None
     assert np.abs(response.multipliers - 1.0).min() > 1e-3
     assert response.stability_message == "All points are stable."
+
+
+@pytest.mark.slow
+def test_a_slider_that_touches_its_limit_does_not_follow_a_motion_that_rotates() -> None:
+    """Light 1 of the torture set: with the touching slider as one that slips, 8 of these points had multipliers of
+    size 1.05, a torus. In time the motion of such a point stays as it is."""
+    problem = benchmark_module("torture_problems").make("light", 1)
+    response = problem.solve(window_hz=(70.12, 70.08))
+    assert response.stability_message == "All points are stable."
+    assert response.bifurcations == ()
+    touches = (response.contact_state == ss.ContactState.STUCK).all(axis=1) & (
+        response.dissipated_energy.sum(axis=1) > 0.0
+    )
+    point = int(np.flatnonzero(touches)[0])
+    motion = ss.integrate_to_steady_state(
+        problem.superelement(), problem.pairs(), problem.force_cos, problem.force_sin,
+        float(response.frequency_hz[point]), steps_per_period=240, max_periods=100, tolerance=1e-12,
+        **ss.start_from_response(response, point),
+    )  # fmt: skip
+    assert motion.period_change.max() < 1.5 * motion.period_change[:2].max()  # 1.05^100 is 130
 
 
 def test_a_law_without_steps_gives_a_reason_and_no_verdict() -> None:
