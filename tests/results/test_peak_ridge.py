@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
+from stickslip.results.peak_ridge import STUCK_OPTIMUM
 
 
 def ridge_of(*curves: tuple[FloatArray, FloatArray], **changes: Any) -> ss.PeakRidge:
@@ -79,19 +80,43 @@ def test_the_optimum_is_the_lowest_valley_inside() -> None:
     assert best.amplitude == pytest.approx(1e-5 * np.sqrt(2.0), rel=1e-3)
 
 
-def test_a_lower_end_does_not_hide_the_optimum() -> None:
+def test_a_lower_end_is_the_lowest_peak_and_the_valley_another_minimum() -> None:
     rise = np.where(LOADS < 30.0, valley(LOADS), valley(np.full(15, 30.0)) * (30.0 / LOADS) ** 2)
     ridge = ridge_of((LOADS, rise))
+    assert ridge.optimum.parameter == pytest.approx(100.0)
+    assert ridge.optimum.edge == "the upper end of the followed range"
+    (other,) = ridge.other_minima
+    assert other.is_inside
+    assert other.parameter == pytest.approx(10.0, rel=0.05)
+    printed_sentence("\n".join(ridge.words()))
+
+
+def test_a_lower_valley_is_the_optimum_and_a_dip_is_not() -> None:
+    """The lowest of two valleys counts, although the other one is nearer to the middle."""
+    dips = valley(LOADS, 3.0) * np.where((LOADS > 25.0) & (LOADS < 40.0), 0.5, 1.0)
+    ridge = ridge_of((LOADS, dips))
+    lowest = LOADS[np.argmin(dips)]
     assert ridge.optimum.is_inside
-    assert not ridge.lowest.is_inside
-    assert [sentence.split(":")[0] for sentence in ridge.words()][
-        1
-    ] == "Only towards an end of the range are peaks lower"
+    assert ridge.optimum.parameter == pytest.approx(lowest, rel=0.2)
+    assert len(ridge.other_minima) == 1
+
+
+def test_a_minimum_beside_a_gap_is_no_optimum() -> None:
+    unknown = np.array([[LOADS[7], LOADS[10]]])
+    ridge = ridge_of((LOADS, valley(LOADS)), unknown=unknown)
+    assert ridge.optimum.parameter == pytest.approx(10.0)
+    assert ridge.optimum.edge == "the edge of a gap in which the highest peak is unknown"
+
+
+def test_a_stuck_minimum_is_named_as_one() -> None:
+    stuck = dict.fromkeys(("pairs_stick_slip", "pairs_separating"), np.zeros(LOADS.size, dtype=int))
+    assert STUCK_OPTIMUM in ridge_of((LOADS, valley(LOADS)), **stuck).words()
+    assert STUCK_OPTIMUM not in ridge_of((LOADS, valley(LOADS))).words()
 
 
 def test_without_a_valley_the_lowest_peak_is_at_an_end() -> None:
-    assert FALLING.optimum == FALLING.lowest
-    assert not FALLING.optimum.is_inside
+    assert FALLING.optimum.edge == "the upper end of the followed range"
+    assert not FALLING.other_minima
     assert FALLING.optimum.parameter == pytest.approx(100.0)
 
 

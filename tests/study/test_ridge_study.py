@@ -40,6 +40,10 @@ def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
     assert peaks.converged, peaks.message
     # A damper of little mass bounces, and no ridge is followed there.
     assert curve.message.startswith("The highest peak is known")
+    # Rough faces become stiffer with the load, so the lowest peak is at the end; the valley of friction is enclosed.
+    assert curve.optimum.edge == "the upper end of the followed range"
+    assert not curve.has_stuck_optimum
+    assert curve.other_minima[0].parameter == pytest.approx(3.68, rel=0.05)
     assert float(curve.parameter.max()) == pytest.approx(30.0)
     # Both contain the peak of the response itself.
     row = load_results(tmp_path / "results.nc").study.outputs["blade tip A"]  # type: ignore[union-attr]
@@ -52,7 +56,7 @@ def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
     assert "<h2>Performance curve of the damper</h2>" in page
     assert "<h2>Peaks over a key of the study</h2>" in page
     assert f"Performance curve: {curve.message}" in outcome.message
-    assert "Below 15.3 N the roughness gives the faces no contact stiffness" in " ".join(curve.warnings)
+    assert "Below 15.9 N the roughness gives the faces no contact stiffness" in " ".join(curve.warnings)
     assert "Ridge of peaks: The highest peak is known over the whole range." in outcome.message
 
 
@@ -94,10 +98,19 @@ def test_a_check_announces_the_ridges() -> None:
     case = quick_case().replace(RIDGE | {"analysis.performance_curve": True})
     shown = dict(dict(check(case))["Would run"])
     assert shown["peaks over a key"] == "excitation.amplitude from 45 to 60 N"
-    assert shown["performance curve"] == "centrifugal force 0.2 to 30 times the excitation force"
+    assert (
+        shown["performance curve"]
+        == "centrifugal force 0.2 to 30 times the excitation force, and lower until the peak rises"
+    )
     without = dict(dict(check(quick_case()))["Would run"])
     assert "performance curve" not in without
     assert "peaks over a key" not in without
+
+
+def test_a_check_says_why_a_solved_preload_has_no_performance_curve() -> None:
+    case = quick_case().replace({"analysis.performance_curve": True, "preload.method": "solved"})
+    shown = dict(dict(check(case))["Would run"])
+    assert shown["performance curve"].startswith('none with preload.method = "solved"')
 
 
 def test_only_two_blades_under_a_centrifugal_force_have_a_performance_curve() -> None:
@@ -130,7 +143,7 @@ def test_a_key_or_a_range_that_cannot_be_used_is_rejected_before_anything_runs(
     def no_run(*_: object, **__: object) -> None:
         raise AssertionError("nothing runs before the range is checked")
 
-    monkeypatch.setattr(analyses, "forced_response", no_run)
+    monkeypatch.setattr(analyses, "unreported_response", no_run)
     case = quick_case().replace(RIDGE | changes)
     with rejects(ss.InputError, key):
         check(case)

@@ -13,7 +13,7 @@ from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, l
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.view import View
-from stickslip.results.peak_ridge import Optimum, PeakRidge
+from stickslip.results.peak_ridge import STUCK_OPTIMUM, Optimum, PeakRidge
 
 RidgeOf = Callable[[View], PeakRidge | None]
 # Prefixes of the ids of figures.
@@ -93,9 +93,8 @@ def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[d
         value = float(chosen(np.array(here.amplitude), np.array(here.frequency_hz)))
         traces.append(_mark("this study", ridge, here, value, "circle", INK))
     best = ridge.optimum
-    if best.is_inside:
-        value = float(chosen(np.array(best.amplitude), np.array(best.frequency_hz)))
-        traces.append(_mark("optimum", ridge, best, value, "diamond", VERMILLION))
+    value = float(chosen(np.array(best.amplitude), np.array(best.frequency_hz)))
+    traces.append(_mark("optimum" if best.is_inside else "lowest followed", ridge, best, value, "diamond", VERMILLION))
     return traces
 
 
@@ -110,7 +109,7 @@ def _here(view: View, ridge: PeakRidge) -> Optimum | None:
         return None
     ratio = float(settings["centrifugal_force_n"]) / float(settings["excitation_force_n"])
     at = ridge.at(ratio)
-    return Optimum(ratio, float(at.amplitude[0]), float(at.frequency_hz[0]), True) if at.ridge[0] >= 0 else None
+    return Optimum(ratio, float(at.amplitude[0]), float(at.frequency_hz[0])) if at.ridge[0] >= 0 else None
 
 
 def _figures(ridge_of: RidgeOf, prefix: str) -> Callable[[View], dict[str, Figure]]:
@@ -138,7 +137,7 @@ def _performance_words(view: View) -> Iterator[str]:
     ridge = view.response.performance_curve
     assert ridge is not None
     force = float(ridge.settings["excitation_force_n"])
-    best, lowest = ridge.optimum, ridge.lowest
+    best = ridge.optimum
     yield (
         f"Highest peak of {view.study.response_output} under the excitation of this study, {number(force)} N, while "
         "the centrifugal force of the damper changes: another mass, or another speed. The normal load and the contact "
@@ -149,16 +148,16 @@ def _performance_words(view: View) -> Iterator[str]:
             f"The optimum is at {number(best.parameter, 3)} times the excitation force, "
             f"{number(force * best.parameter, 3)} N: {number(MICRO * best.amplitude)} µm at {best.frequency_hz:.2f} Hz."
         )
-        if lowest.amplitude < 0.99 * best.amplitude:
-            yield (
-                f"Only towards an end of the range are peaks lower: {number(MICRO * lowest.amplitude)} µm at "
-                f"{number(force * lowest.parameter, 3)} N."
-            )
     else:
         yield (
-            "There is no optimum inside the range; the lowest peak, "
-            f"{number(MICRO * lowest.amplitude)} µm, is at its end with {number(force * lowest.parameter, 3)} N."
+            f"The lowest peak, {number(MICRO * best.amplitude)} µm at {number(force * best.parameter, 3)} N, is at "
+            f"{best.edge}: a lower one may be beyond."
         )
+    if ridge.has_stuck_optimum:
+        yield STUCK_OPTIMUM
+    for other in ridge.other_minima:
+        where = f"{number(MICRO * other.amplitude)} µm at {number(force * other.parameter, 3)} N"
+        yield f"Another local minimum is {where}."
     yield from _common_words(ridge)
 
 

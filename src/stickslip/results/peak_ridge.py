@@ -27,6 +27,10 @@ _POINTS, _STUCK, _FREE = ("ridge_point",), ("stuck_point",), ("free_point",)
 GRID_PER_INTERVAL = 8
 # chosen: rise of the logarithm on both sides of an optimum; smaller valleys are blurred by sampling.
 LEAST_RISE = 0.01
+STUCK_OPTIMUM = (
+    "No pair slips there: the excitation hardly drives the stuck mode, so the peak is low without friction, and only "
+    "in a narrow range. With slip, the lowest peak is that of the other minima."
+)
 
 
 @dataclass(frozen=True)
@@ -41,12 +45,18 @@ class HighestPeak:
 
 @dataclass(frozen=True)
 class Optimum:
-    """A value of the parameter with a low highest peak; ``is_inside``: not at an end of the known range."""
+    """A value of the parameter with a low highest peak; ``edge`` names the end of the followed range at which it is,
+    "" for a minimum inside."""
 
     parameter: float
     amplitude: float
     frequency_hz: float
-    is_inside: bool
+    edge: str = ""
+
+    @property
+    def is_inside(self) -> bool:
+        """Whether highest peaks are known on both sides."""
+        return not self.edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,22 +262,29 @@ class PeakRidge(Labelled):
 
     @property
     def optimum(self) -> Optimum:
-        """The best value of the parameter: the lowest local minimum of the highest peak inside the known range, between
-        rises of at least 1 %; without one the lowest point, at an end."""
+        """The lowest of all highest peaks that were followed, also at an end of them (``edge``)."""
         top = self.highest()
-        known = np.flatnonzero(top.ridge >= 0)
-        valleys, _ = find_peaks(-np.log(top.amplitude[known]), prominence=LEAST_RISE)
-        if not valleys.size:
-            return self.lowest
-        return _optimum(top, int(known[valleys[np.argmin(top.amplitude[known[valleys]])]]), True)
+        return _optimum(top, int(np.nanargmin(top.amplitude)))
 
     @property
-    def lowest(self) -> Optimum:
-        """The lowest of all highest peaks in the known range."""
-        top = self.highest()
+    def other_minima(self) -> tuple[Optimum, ...]:
+        """Other local minima of the highest peak, between rises of at least 1 %, lowest first."""
+        top, best = self.highest(), self.optimum
         known = np.flatnonzero(top.ridge >= 0)
-        best = int(known[np.argmin(top.amplitude[known])])
-        return _optimum(top, best, bool(known[0] < best < known[-1]))
+        valleys, _ = find_peaks(-np.log(top.amplitude[known]), prominence=LEAST_RISE)
+        found = [_optimum(top, int(place)) for place in known[valleys]]
+        return tuple(
+            sorted((each for each in found if each.parameter != best.parameter), key=lambda each: each.amplitude)
+        )
+
+    @property
+    def has_stuck_optimum(self) -> bool:
+        """Whether no pair slips or separates at the optimum, and it is not at an end of the followed range, where a
+        heavy damper is stuck."""
+        best = self.optimum
+        point = int(np.argmin(np.abs(np.log(self.parameter / best.parameter))))
+        moves = self.pairs_stick_slip[point] + self.pairs_separating[point]
+        return not moves and not best.edge.endswith("range")
 
     def tables(self, name: str) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""
@@ -317,14 +334,16 @@ class PeakRidge(Labelled):
         return read_groups(path, cls.from_group)
 
     def words(self) -> Iterator[str]:
-        """Sentences on the optimum and on switches."""
-        best, lowest = self.optimum, self.lowest
+        """Sentences on the optimum, other minima and switches."""
+        best = self.optimum
         if best.is_inside:
             yield f"The optimum is {self._place(best)}."
-            if lowest.amplitude < (1.0 - LEAST_RISE) * best.amplitude:
-                yield f"Only towards an end of the range are peaks lower: {self._place(lowest)}."
         else:
-            yield f"There is no optimum inside the range; the lowest peak is {self._place(lowest)}."
+            yield f"The lowest peak is at {best.edge}, so a lower one may be beyond: {self._place(best)}."
+        if self.has_stuck_optimum:
+            yield STUCK_OPTIMUM
+        for other in self.other_minima:
+            yield f"Another local minimum is {self._place(other)}."
         for value in self.switches():
             yield f"At {self._named(value)} another peak becomes the highest."
 
@@ -335,8 +354,15 @@ class PeakRidge(Labelled):
         return f"{self.parameter_name} = {value:.4g} {self.parameter_unit}".rstrip()
 
 
-def _optimum(top: HighestPeak, place: int, is_inside: bool) -> Optimum:
-    return Optimum(float(top.parameter[place]), float(top.amplitude[place]), float(top.frequency_hz[place]), is_inside)
+def _optimum(top: HighestPeak, place: int) -> Optimum:
+    """The highest peak at a position of the grid, with the end at which it is."""
+    known = np.flatnonzero(top.ridge >= 0)
+    edge = ""
+    if place in (known[0], known[-1]):
+        edge = "the lower end of the followed range" if place == known[0] else "the upper end of the followed range"
+    elif (top.ridge[place - 1 : place + 2] < 0).any():
+        edge = "the edge of a gap in which the highest peak is unknown"
+    return Optimum(float(top.parameter[place]), float(top.amplitude[place]), float(top.frequency_hz[place]), edge)
 
 
 def log_interpolated(places: FloatArray, curve: FloatArray, at: FloatArray) -> FloatArray:

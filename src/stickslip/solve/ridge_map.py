@@ -17,6 +17,7 @@ from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.balance import relative_norm
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.path.problem import Plane
+from stickslip.solve.ridge_coverage import is_enclosed_below, middle_of_gap, passes_through
 from stickslip.solve.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import StageReport
@@ -35,6 +36,9 @@ ERROR_OF_LEFT_OUT = 2.0
 # chosen: an amplitude of a curve that is higher than all ridges by this fraction belongs to none of them; curves are
 # 0.1 % above their ridges at most.
 ABOVE_RIDGES = 0.01
+JOINED = "another ridge continues it"
+# chosen: the lower end of the range moves by this factor until the minimum is enclosed.
+LOWER_BY = 2.0
 # chosen: a ridge is refined where it has more than this fraction of the highest one, on both sides of a switch.
 NEAR_HIGHEST = 0.95
 
@@ -225,7 +229,7 @@ class RidgeMap:
             ends = ridge.points[0], ridge.points[-1]
             for reason, point, bound in zip(ridge.ends, ends, self._bounds, strict=True):
                 # Where the work ended, the ridge itself may go on, and nothing hides it.
-                if reason in ("", TOO_MUCH_WORK) or self._fraction_of_highest(point) < 1.0 - SAME_AMPLITUDE:
+                if reason in ("", TOO_MUCH_WORK, JOINED) or self._fraction_of_highest(point) < 1.0 - SAME_AMPLITUDE:
                     continue
                 step = math.copysign(2.0 * self._pace.smallest_step, bound - point.parameter)
                 beyond = point.parameter * math.exp(step)
@@ -235,6 +239,43 @@ class RidgeMap:
                 end = min(known, key=lambda each: abs(each - point.parameter), default=bound)
                 low, high = sorted((point.parameter, end))
                 self._unknown.append((low, high))
+
+    def enclose_minimum(self, lowest: float) -> None:
+        """Compute whole curves at the lower end and in gaps of the followed range, and follow their peaks.
+
+        The lower end moves down, at most to ``lowest``, until the highest peak has risen well above its minimum.
+        """
+        tried: set[float] = set()
+        while self.ridges and not self.work.is_used_up:
+            followed = [(ridge.points[0].parameter, ridge.points[-1].parameter) for ridge in self.ridges]
+            value: float | None = self._bounds[0]
+            if value in tried:
+                value = middle_of_gap(followed, tried)
+            if value is None:
+                if self._bounds[0] <= lowest or self._is_enclosed():
+                    return
+                value = max(lowest, self._bounds[0] / LOWER_BY)
+                self._lower(value)
+            tried.add(value)
+            try:
+                self.add_curve(value)
+            except StickslipError as error:  # a law or a static state that does not exist there
+                self.warnings.append(f"There is no frequency curve at {self._named(value)}: {error}")
+
+    def _lower(self, value: float) -> None:
+        """Move the lower end of the range, and follow the ridges that reach it farther."""
+        reaching = [ridge for ridge in self.ridges if ridge.points[0].parameter == self._bounds[0]]
+        self._bounds = value, self._bounds[1]
+        for ridge in reaching:
+            part, end = follow(self._searched, ridge.points[0], value, self._pace, self._needless)
+            ridge.points[:0] = reversed(part)
+            ridge.ends = end, ridge.ends[1]
+
+    def _is_enclosed(self) -> bool:
+        points = [each for ridge in self.ridges for each in ridge.points]
+        parameter = np.array([each.parameter for each in points])
+        stuck = np.array([(each.trial.contact.state == ContactState.STUCK).all() for each in points])
+        return is_enclosed_below(parameter, np.array([self._highest_at(each) for each in parameter]), stuck)
 
     def _is_highest_known(self, value: float) -> bool:
         """Whether a whole curve at a value has no larger amplitude than the ridges there."""
@@ -248,6 +289,8 @@ class RidgeMap:
 
     def _needless(self, point: RidgePoint) -> str:
         """Why a ridge need not be followed beyond a point, or "" """
+        if any(passes_through(ridge.points, point) for ridge in self.ridges):
+            return JOINED
         if self._fraction_of_highest(point) >= LEAST_FRACTION:
             return ""
         return f"beyond {self._named(point.parameter)}, it is below {LEAST_FRACTION:g} of the highest peak"
@@ -328,7 +371,9 @@ class RidgeMap:
         if not missing.size:
             return True, "The highest peak is known over the whole range."
         known = top.parameter[top.ridge >= 0]
-        reasons = "; ".join(dict.fromkeys(reason for ends in ridge.ends for reason in ends if reason))
+        reasons = "; ".join(
+            dict.fromkeys(reason for ends in ridge.ends for reason in ends if reason not in ("", JOINED))
+        )
         return False, (
             f"The highest peak is known from {self._named(float(known.min()))} to {self._named(float(known.max()))} "
             f"only{' with gaps' if self._has_gap(ridge) else ''}: {reasons}."

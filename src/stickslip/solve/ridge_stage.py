@@ -22,7 +22,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
 # Measured on the two blades (700 unknowns n, 330 rows m of pairs): the modes of a structure, which take a time of n^3,
 # last as long as 20 iterations of Newton's method, which take n m.
@@ -32,9 +32,13 @@ Problem = tuple[Superelement, ContactPairs, Excitation]
 
 @dataclass(frozen=True)
 class RidgeOptions:
-    """Options that all values of the parameter share; see :func:`peak_ridge`."""
+    """Options that all values of the parameter share; see :func:`peak_ridge`.
+
+    Peaks are followed in ``frequency_hz``; whole curves are over ``curve_hz``, None for the same range.
+    """
 
     frequency_hz: tuple[float, float]
+    curve_hz: tuple[float, float] | None = field(default=None, kw_only=True)
     harmonics: int = 5
     samples: int = 256
     update: Update = "tractrix"
@@ -50,6 +54,7 @@ class RidgeStage:
     solver: Newton[BalancePoint]
     search: PeakSearch
     window: tuple[float, float]  # Hz, rising
+    curve_window: tuple[float, float]  # Hz, rising; of whole curves
 
     @classmethod
     def of(
@@ -68,12 +73,14 @@ class RidgeStage:
             *problem, 2.0 * math.pi * window[1], options.harmonics, options.samples, modal_damping_ratio,
             options.update, lambda words: None, None if earlier is None else earlier.balances.stuck,
         )  # fmt: skip
+        require_no_gyroscopic(balances.superelement, "a ridge of peaks")
         last = LastFactor() if earlier is None else earlier.search.last_factor
         limits = 2.0 * math.pi * window[0], 2.0 * math.pi * window[1]
         curve = BoundedCurve(balances.with_harmonics(options.harmonics), last, limits)
         solver = Newton(curve, options.newton, report.iteration)
         search = PeakSearch(curve, solver, output, lambda trial: balances.mean_row(trial, output), last)
-        return cls(balances, output, solver, search, window)
+        whole = options.curve_hz or window
+        return cls(balances, output, solver, search, window, (min(whole), max(whole)))
 
     def counted(self, work: Work) -> RidgeStage:
         """The same equations, whose work is counted."""
@@ -121,8 +128,8 @@ class RidgeStage:
         return np.array([self.search.amplitude(point.trial) for point in points])
 
     def whole_curve(self) -> Branch[BalancePoint]:
-        """The frequency curve over the window. Raises ConvergenceError without a first point."""
-        balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in self.window)
+        """The frequency curve over its window. Raises ConvergenceError without a first point."""
+        balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in self.curve_window)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
 
         def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:

@@ -29,21 +29,23 @@ from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
 
 KEY = "preload.centrifugal_force"
 NAME = "centrifugal force over excitation force"
-# chosen: centrifugal force over excitation force from before to beyond the optimum of dampers (of the order of 1 to
-# 10), to where most dampers are stuck; a lighter damper bounces, and takes long.
+# chosen: centrifugal force over excitation force from before the optimum of most dampers to where they are stuck. The
+# lower end moves on to the least ratio, until the peak rises below its minimum; a lighter damper bounces, and takes
+# long.
 LOWEST_RATIO, HIGHEST_RATIO = 0.2, 30.0
+LEAST_RATIO = 0.02
 # chosen: peaks move with the force, so the range of frequencies is that of the study and a fifth more on both sides.
 WIDER = 1.2
 # chosen: the lowest possible force is determined to this factor.
 LOWEST_FORCE_TO = 1.05
 # A picture: coarser steps than those of a ridge, and it ends where a bouncing damper would need tiny ones.
-PACE = Pace(first_step=0.2, smallest_step=0.02, largest_step=0.8, wanted_error=0.04)
+PACE = Pace(first_step=0.2, smallest_step=0.004, largest_step=0.8, wanted_error=0.04)
 # chosen: relative error of the balance. That of the amplitude is below 1e-5, and it takes a third less iterations than
 # the tolerance of [solver].
 TOLERANCE = 1e-6
-# chosen: work of the curve over that of the frequency curve of the study. In time it is two curves for the default
-# study, and up to four where the frequency curve is quick (rough casting).
-MOST_CURVES = 2.6
+# chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
+# the line between the others more accurate.
+MOST_CURVES, REFINING = 12.0, 0.8
 
 
 def has_performance_curve(case: Case) -> bool:
@@ -89,33 +91,41 @@ def performance_curve(
     if case.preload.centrifugal_force is None:  # it follows from the mass of the damper
         case = case.replace({KEY: f"{force!r} N", **{f"preload.{key}": None for key in ROTATING}})
     excitation = case.excitation.amplitude
-    low, high = (ratio * excitation for ratio in (LOWEST_RATIO, HIGHEST_RATIO))
+    least, low, high = (ratio * excitation for ratio in (LEAST_RATIO, LOWEST_RATIO, HIGHEST_RATIO))
     family = CaseFamily.of(case, KEY)
-    lowest = min(low, force)
-    bounds = _lowest_force(family, model, lowest, force), max(high, force)
+    lowest = _lowest_force(family, model, min(least, force), force)
+    bounds = max(lowest, min(low, force)), max(high, force)
     report = StageReport(lambda fraction, detail: progress.update("Performance curve", fraction, detail))
     found = _high_peaks(model, response)
     options = ridge_options(case, TOLERANCE, _harmonics_of(found, response))
     window = min(options.frequency_hz), max(options.frequency_hz)
-    options = replace(options, frequency_hz=(window[0] / WIDER, window[1] * WIDER))
+    wider = window[0] / WIDER, window[1] * WIDER
+    options = replace(options, frequency_hz=wider, curve_hz=(wider[0], window[1]))  # lower forces, lower peaks
     stages = CaseStages(family, model, report, threads, options)
     modes = stages(force, None).modes_between(window)
-    work = Work(MOST_CURVES * float(response.iterations.sum() + response.n_points))
+    one_curve = float(response.iterations.sum() + response.n_points)
+    work = Work((MOST_CURVES - REFINING) * one_curve)
     ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work, modes)
     _follow_response(ridges, found, force, response, options.harmonics)
     ridges.verified.add(force)  # by the curve of the study
     ridges.add_stuck(bounds[1])
+    ridges.enclose_minimum(lowest)
     ridges.check_ends()
+    work.most = work.done + REFINING * one_curve
     ridges.refine()
     name = next(iter(model.outputs))
     curve = ridges.result(KEY, "N", name).over(excitation, NAME, "")
     settings = {**curve.settings, "excitation_force_n": excitation, "centrifugal_force_n": force}
-    return replace(curve, settings=settings, warnings=(*curve.warnings, *_beginning(lowest, bounds[0])))
+    return replace(
+        curve,
+        settings=settings,
+        warnings=(*curve.warnings, *_beginning(float(curve.start) * excitation, lowest, min(least, force))),
+    )
 
 
-def _beginning(wanted: float, lowest: float) -> tuple[str, ...]:
-    """A sentence on a curve that begins at a larger force than wanted."""
-    if lowest == wanted:
+def _beginning(start: float, lowest: float, wanted: float) -> tuple[str, ...]:
+    """A sentence on a curve that ends at the lowest force with a contact stiffness, above the one wanted."""
+    if lowest == wanted or start > lowest * LOWEST_FORCE_TO:
         return ()
     return (f"Below {lowest:.3g} N the roughness gives the faces no contact stiffness, so the curve begins there.",)
 

@@ -11,6 +11,7 @@ import pytest
 import stickslip as ss
 from castings import casting_case
 from helpers import Blade, benchmark_module
+from sentences import printed_sentence
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.results.response_data import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
@@ -236,7 +237,7 @@ def test_a_law_without_steps_gives_a_reason_and_no_verdict() -> None:
     response = ss.forced_response(structure, pairs, np.array([0.1]), frequency_hz=(0.5, 1.0), harmonics=1, samples=32)
     assert response.stable is None
     assert response.multipliers is None
-    assert "the law iwan does not give" in response.stability_message
+    printed_sentence(response.stability_message, "iwan")
 
 
 @pytest.mark.slow
@@ -297,4 +298,8 @@ def test_the_two_blade_case_loses_stability_at_its_folds_alone() -> None:
     place = np.arange(response.n_points)
     assert response.stable is not None
     assert np.array_equal(response.stable, (place < upper) | (place > lower))
-    assert response.stability_message == f"{int((~response.stable).sum())} of {response.n_points} points are unstable."
+    unstable = int((~response.stable).sum())
+    # Beside the folds, three points have the verdict of their side against their own multipliers.
+    assert response.stability_message.startswith(
+        f"{unstable} of {response.n_points} points are unstable. 3 are too close"
+    )

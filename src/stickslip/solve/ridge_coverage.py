@@ -1,0 +1,73 @@
+"""Which part of a range the ridges cover, and whether they enclose the lowest of the highest peaks."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.validation import FloatArray
+from stickslip.results.peak_ridge import log_interpolated
+from stickslip.solve.ridge_walk import RidgePoint
+
+# chosen: the minimum is enclosed below where the highest peak has risen to this multiple of it; the dips of friction
+# dampers beside their optimum are shallower.
+ENCLOSED = 2.5
+# chosen: a gap of more than this factor of the parameter may contain another minimum.
+GAP = 1.03
+
+# chosen: a point is on another ridge if its frequency and its amplitude agree so far with those interpolated there,
+# which are up to 1 % off in amplitude.
+JOINED_FREQUENCY, JOINED_AMPLITUDE = 1e-4, 1e-2
+
+Interval = tuple[float, float]
+
+
+def merged(intervals: Sequence[Interval]) -> list[Interval]:
+    """The union of intervals, rising."""
+    found: list[Interval] = []
+    for low, high in sorted(intervals):
+        if found and low <= found[-1][1]:
+            found[-1] = found[-1][0], max(found[-1][1], high)
+        else:
+            found.append((low, high))
+    return found
+
+
+def middle_of_gap(followed: Sequence[Interval], tried: Collection[float]) -> float | None:
+    """The middle of the longest gap between intervals that contains no value that was ``tried``; None without one."""
+    covered = merged(followed)
+    gaps = [(high, low) for (_, high), (low, _) in itertools.pairwise(covered)]
+    for below, above in sorted(gaps, key=lambda gap: gap[0] / gap[1]):
+        if above / below > GAP and not any(below < each < above for each in tried):
+            return math.sqrt(below * above)
+    return None
+
+
+def is_enclosed_below(parameter: FloatArray, highest: FloatArray, is_stuck: NDArray[np.bool_]) -> bool:
+    """Whether the highest peak rises to ``ENCLOSED`` times its minimum below the value of that minimum.
+
+    ``parameter`` (n,) are points, ``highest`` (n,) the highest peak there. Points at which ``is_stuck``, because no
+    pair slips, are no minimum of a friction damper: there the excitation does not reach the mode. They count if all
+    points are stuck.
+    """
+    moving = ~is_stuck if not is_stuck.all() else np.ones_like(is_stuck)
+    best = np.flatnonzero(moving)[int(np.argmin(highest[moving]))]
+    return bool(highest[parameter <= parameter[best]].max() >= ENCLOSED * highest[best])
+
+
+def passes_through(points: Sequence[RidgePoint], point: RidgePoint) -> bool:
+    """Whether the ridge of these points, in the order of the parameter, continues through another point."""
+    places = np.log([each.parameter for each in points])
+    at = np.array([math.log(point.parameter)])
+    if not places[0] < at[0] < places[-1]:
+        return False
+    amplitude = np.log([each.peak.amplitude for each in points])
+    omega = np.log([each.peak.omega for each in points])
+    return bool(
+        abs(log_interpolated(places, omega, at)[0] - math.log(point.peak.omega)) < JOINED_FREQUENCY
+        and abs(log_interpolated(places, amplitude, at)[0] - math.log(point.peak.amplitude)) < JOINED_AMPLITUDE
+    )

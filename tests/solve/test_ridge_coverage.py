@@ -1,0 +1,36 @@
+"""Which part of a range ridges cover, and whether they enclose the minimum."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip.solve.ridge_coverage import is_enclosed_below, merged, middle_of_gap
+
+LOADS = np.array([10.0, 20.0, 40.0, 80.0])
+
+
+def test_intervals_that_touch_are_one() -> None:
+    assert merged([(5.0, 8.0), (1.0, 3.0), (2.0, 4.0), (8.0, 9.0)]) == [(1.0, 4.0), (5.0, 9.0)]
+
+
+def test_the_longest_gap_comes_first_and_each_is_tried_once() -> None:
+    followed = [(1.0, 2.0), (3.0, 4.0), (16.0, 20.0), (20.1, 30.0)]
+    assert middle_of_gap(followed, set()) == pytest.approx(8.0)
+    assert middle_of_gap(followed, {8.0}) == pytest.approx(np.sqrt(6.0))
+    assert middle_of_gap(followed, {8.0, 2.5}) is None
+
+
+def test_a_minimum_is_enclosed_where_the_peak_rises_below_it() -> None:
+    stuck = np.zeros(4, dtype=bool)
+    assert is_enclosed_below(LOADS, np.array([3.0, 1.0, 2.0, 3.0]), stuck)
+    assert not is_enclosed_below(LOADS, np.array([2.0, 1.0, 2.0, 9.0]), stuck)
+    assert not is_enclosed_below(LOADS, np.array([1.0, 2.0, 3.0, 4.0]), stuck)
+
+
+def test_a_stuck_node_of_the_excitation_encloses_nothing() -> None:
+    """The notch at 40 is low because the excitation does not reach the mode there, not by friction."""
+    highest = np.array([2.0, 1.5, 0.1, 3.0])
+    assert is_enclosed_below(LOADS, highest, np.zeros(4, dtype=bool))
+    assert not is_enclosed_below(LOADS, highest, np.array([False, False, True, False]))
+    assert is_enclosed_below(LOADS, highest, np.ones(4, dtype=bool))
