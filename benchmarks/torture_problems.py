@@ -11,6 +11,7 @@ this rule, so the rule uses a damping ratio of at least 1e-3.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -120,15 +121,17 @@ class Problem:
         **options: Any,
     ) -> ss.ForcedResponse:
         """The response, by default over the range of the problem, with 128 samples and one thread."""
-        return ss.forced_response(
-            self.superelement(),
-            self.pairs(residual_traction),
-            self.excitation(),
-            frequency_hz=window_hz or self.window_hz,
-            modal_damping_ratio=self.modal_damping_ratio,
-            harmonics=harmonics,
-            **{"samples": 128, "threads": 1, "raise_on_failure": None} | options,
-        )
+        with warnings.catch_warnings():  # the tables have a column for curves that end early
+            warnings.simplefilter("ignore", ss.NotConvergedWarning)
+            return ss.forced_response(
+                self.superelement(),
+                self.pairs(residual_traction),
+                self.excitation(),
+                frequency_hz=window_hz or self.window_hz,
+                modal_damping_ratio=self.modal_damping_ratio,
+                harmonics=harmonics,
+                **{"samples": 128, "threads": 1} | options,
+            )
 
     @cached_property
     def resonances(self) -> list[Resonance]:

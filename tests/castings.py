@@ -1,4 +1,4 @@
-"""The two blades with the faces and the excitation that were the default up to version 0.1: a casting with Sq 54 um.
+"""The two blades with the faces and the excitation that were the default before: a casting with Sq 54 um.
 
 Tests with numbers of that case, and tests that need a soft joint or its quick curves, name them here.
 """

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import functools
+import gc
 import os
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
+import typer.testing
 
-from helpers import Blade, unmeasured
-from stickslip.contact.law import registry as contact_laws
-from stickslip.contact.stiffness import registry as stiffness_laws
-from stickslip.core.registry import Registry
-from stickslip.formats.meshes import read as model_formats
+# Numerical packages are imported by fixtures: the process that only distributes tests has no use for them.
+if TYPE_CHECKING:
+    from helpers import Blade
+    from stickslip.core.registry import Registry
 
 pytest_plugins = ("pytester", "sentences", "structure_fixtures")
 
@@ -41,6 +43,17 @@ UNTRACED = (
     "study/test_study.py::test_an_unfinished_curve",
     "study/test_study.py::test_the_curve_is_the_same",
 )  # fmt: skip
+
+
+# What is imported and collected remains until the tests end, so the collector of garbage does not
+# search it.
+gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """The collector of garbage begins its work with the tests."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -71,9 +84,19 @@ def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield folder
 
 
+@pytest.fixture(scope="session", autouse=True)
+def command_line() -> Iterator[None]:
+    """The commands of a program are built once, not for each call of a test."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.testing, "_get_command", functools.cache(typer.testing._get_command))
+        yield
+
+
 @pytest.fixture
 def untraced_commands(monkeypatch: pytest.MonkeyPatch) -> None:
     """Processes that the test starts run without the tracer: others of its file start the same ones with it."""
+    from helpers import unmeasured
+
     for name in sorted(os.environ.keys() - unmeasured().keys()):
         monkeypatch.delenv(name)
 
@@ -81,6 +104,10 @@ def untraced_commands(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def registered_names() -> Iterator[None]:
     """What a test registers is gone after it: messages that list names do not depend on the order of the tests."""
+    from stickslip.contact.law import registry as contact_laws
+    from stickslip.contact.stiffness import registry as stiffness_laws
+    from stickslip.formats.meshes import read as model_formats
+
     registries: list[Registry[Any]] = [contact_laws._LAWS, stiffness_laws._LAWS, model_formats._FORMATS]
     before = [dict(each._makers) for each in registries]
     yield
@@ -92,4 +119,6 @@ def registered_names() -> Iterator[None]:
 @pytest.fixture(scope="session")
 def blade() -> Blade:
     """The bench problem with ten contacts."""
+    from helpers import Blade
+
     return Blade()

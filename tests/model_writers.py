@@ -156,9 +156,27 @@ def write_bdf(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], f
     path.write_text("\n".join([*text, "ENDDATA", ""]), encoding="utf-8")
 
 
+GMSH_TYPES = {"triangle": 2, "triangle6": 9, "quad": 3, "quad8": 16, "hexahedron": 5, "hexahedron20": 17}
+VTK_TO_GMSH = {"hexahedron20": [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14]}
+
+
+def write_gmsh_1(path: Path, points: np.ndarray, cells: list[tuple[str, np.ndarray]], tags: list[np.ndarray]) -> None:
+    """A file of version 1, which has no names of groups, with bricks."""
+    text = ["$NOD", f"{len(points)}"]
+    text += [f"{n + 1} {x:.12g} {y:.12g} {z:.12g}" for n, (x, y, z) in enumerate(points)]
+    text += ["$ENDNOD", "$ELM", f"{sum(map(len, tags))}"]
+    for (kind, block), tag in zip(cells, tags, strict=True):
+        order = VTK_TO_GMSH.get(kind, slice(None))
+        for cell, group in zip(block[:, order] + 1, tag, strict=True):
+            entry = [len(text), GMSH_TYPES[kind], group, group, len(cell), *cell]
+            text.append(" ".join(map(str, entry)))
+    path.write_text("\n".join([*text, "$ENDELM"]) + "\n", encoding="utf-8")
+
+
 @patch.dict(topological_dimension, {"wedge15": 3})  # which meshio forgets
 def write_meshio(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], form: str) -> None:
-    """A file in mm with the bodies and faces as groups, of .msh (form gmsh22, gmsh), .vtu (vtu) or .med (med)."""
+    """A file in mm with the bodies and faces as groups, of .msh (form gmsh22, gmsh1), .vtu (vtu), .vtk (vtk, vtk42) or
+    .med (med)."""
     cells: list[tuple[str, np.ndarray]] = []
     tags: list[np.ndarray] = []
     names: dict[str, tuple[int, int]] = {}
@@ -173,20 +191,24 @@ def write_meshio(path: Path, mesh: Mesh, body_names: list[str], faces: list[str]
         tags.append(np.full(len(sides), number))
         names[name] = (number, 2)
     points = 1e3 * mesh.points
-    if form.startswith("gmsh"):
+    if form == "gmsh1":
+        write_gmsh_1(path, points, cells, tags)
+    elif form.startswith("gmsh"):
         data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
         field = {name: np.array(value) for name, value in names.items()}
         meshio.Mesh(points, cells, cell_data=data, field_data=field).write(
             path, file_format="gmsh22", binary=form == "gmsh22b"
         )
-    elif form == "vtu":
+    elif form.startswith("vt"):
         flags = {name: [np.asarray(tag == value[0], dtype=np.int32) for tag in tags] for name, value in names.items()}
         own = {
             name: np.isin(np.arange(mesh.n_nodes), nodes).astype(np.int32)
             for name, nodes in mesh.node_sets.items()
             if name not in faces
         }
-        meshio.Mesh(points, cells, cell_data=flags, point_data=own).write(path)
+        meshio.Mesh(points, cells, cell_data=flags, point_data=own).write(
+            path, file_format=form, **({"binary": False} if form == "vtk42" else {})
+        )
     else:
         merged: dict[str, list[int]] = {}
         for at, (kind, _) in enumerate(cells):

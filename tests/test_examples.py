@@ -101,14 +101,16 @@ def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: py
     assert 190.0 < amplitude < 205.0
 
 
-def write_loops(path: Path) -> None:
-    """Loops of 1 mm of a slider with a limit of 50 N on a spring of 500 N/mm."""
-    slider, rows = 0.0, ["displacement [mm], force [N]"]
-    for step in range(601):
-        x = math.sin(2.0 * math.pi * step / 200.0)
-        slider = min(max(slider, x - 0.1), x + 0.1)
-        rows.append(f"{x:.6f}, {500.0 * (x - slider):.6f}")
-    path.write_text("\n".join(rows), encoding="utf-8")
+@pytest.mark.slow
+def test_the_page_on_rotation_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (ROOT / "docs" / "theory_rotation.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    exec(compile(block, "theory_rotation.md", "exec"), {})
+    printed = capsys.readouterr().out
+    # A crossing of order k is at k W / 60 in Hz.
+    at = float(re.search(r"mode 1 meets engine order 4 at (\d+) rpm", printed).group(1))
+    assert 4.0 * at / 60.0 == pytest.approx(545.3, abs=1.0)
+    assert len(re.findall(r"\d+ rpm: [\d.]+ um", printed)) == 2
 
 
 @pytest.mark.long
@@ -143,7 +145,7 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 def documented_commands() -> list[str]:
     """Every command of the README and the guide, in a block or in a sentence, without its comment."""
     actual = []
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+    for page in [ROOT / "README.md", ROOT / "examples" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         text = page.read_text(encoding="utf-8")
         blocks = "".join(re.findall(r"```sh\n(.*?)```", text, flags=re.DOTALL))
         actual += re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
@@ -159,6 +161,16 @@ def test_documented_commands_are_understood(line: str) -> None:
     name, *words = shlex.split(line.replace("[", "").replace("]", ""))
     group = typer.main.get_command(app)
     group.commands[name].make_context(name, words)  # type: ignore[attr-defined]
+
+
+def test_the_index_of_the_examples_has_one_command_for_each() -> None:
+    """In the first argument of the command; :func:`documented_commands` has those of stickslip."""
+    text = (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^\| [^|]+ \| `((?:python|stickslip run) [^`]+)` \|$", text, flags=re.MULTILINE)
+    assert len(commands) == len(re.findall(r"^\|", text, flags=re.MULTILINE)) - 2  # heading and rule
+    listed = [next(word for word in shlex.split(command) if word.startswith("examples/")) for command in commands]
+    scripts = [*ROOT.glob("examples/*.py"), *ROOT.glob("examples/**/*.toml")]
+    assert sorted(listed) == sorted(path.relative_to(ROOT).as_posix() for path in scripts)
 
 
 @pytest.mark.slow
@@ -242,6 +254,26 @@ def test_guide_to_loops(capsys: pytest.CaptureFixture[str]) -> None:
     exec(compile(script, "loops.md", "exec"), {"__name__": "__main__"})
     printed = capsys.readouterr().out
     assert printed == re.findall(r"```text\n(.*?)```", guide, flags=re.DOTALL)[0]
+
+
+def write_loops(path: Path) -> None:
+    """Loops of 1 mm of a slider with a limit of 50 N on a spring of 500 N/mm."""
+    slider, rows = 0.0, ["displacement [mm], force [N]"]
+    for step in range(601):
+        x = math.sin(2.0 * math.pi * step / 200.0)
+        slider = min(max(slider, x - 0.1), x + 0.1)
+        rows.append(f"{x:.6f}, {500.0 * (x - slider):.6f}")
+    path.write_text("\n".join(rows), encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_command_of_the_guide_to_loops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_loops(tmp_path / "loops.csv")
+    guide = (ROOT / "docs" / "loops.md").read_text(encoding="utf-8")
+    result = CliRunner().invoke(app, shlex.split(re.findall(r"^stickslip (fit [^#\n]+)", guide, flags=re.MULTILINE)[0]))
+    assert result.exit_code == 0, result.output
+    assert "50 N" in result.output
 
 
 def test_make_targets_of_the_readme_exist() -> None:

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from helpers import absent_tool
 from stickslip.cli.main import app
+from stickslip.reporting.page_sections import CURVE, SECTIONS
 from sweep_cases import quick_file
 
 ROOT = Path(__file__).parents[1]
@@ -44,6 +45,15 @@ def test_links_and_pictures_are_there(name: str) -> None:
 def test_the_guide_names_every_page_in_its_order() -> None:
     text = (DOCS / "guide.md").read_text(encoding="utf-8")
     assert re.findall(r"^\d+\. \[[^]]+\]\((\w+)\.md\)", text, flags=re.MULTILINE) == list(PAGES[1:])
+
+
+def test_the_guide_to_the_report_follows_the_page() -> None:
+    text = (DOCS / "reading_the_report.md").read_text(encoding="utf-8")
+    *headings, last = re.findall(r"^## (.+)$", text, flags=re.MULTILINE)
+    assert last == "Warnings"  # above the sections of the page
+    page = [section.heading for section in (CURVE, *SECTIONS)]
+    shown = [next(place for place, each in enumerate(page) if each.startswith(heading)) for heading in headings]
+    assert shown == sorted(shown)
 
 
 @pytest.mark.slow

@@ -25,6 +25,7 @@ from .contact.pairing.pairing import pair_faces as pair_faces
 from .contact.pairing.pairing import pair_surfaces as pair_surfaces
 from .contact.pairing.pairing import pair_with_ground as pair_with_ground
 from .contact.pairing.pairing import write_pairs as write_pairs
+from .contact.speed_load import normal_load_at_speed as normal_load_at_speed
 from .contact.stiffness.asperities import Roughness as Roughness
 from .contact.stiffness.constant_law import ConstantStiffness as ConstantStiffness
 from .contact.stiffness.face_stiffness import contact_stiffness as contact_stiffness
@@ -59,6 +60,8 @@ from .formats.meshes.read import register_model_format as register_model_format
 from .formats.profile_file import read_profile as read_profile
 from .model.model import build_model as build_model
 from .model.parameters import case_parameters as case_parameters
+from .results.campbell import Campbell as Campbell
+from .results.campbell import Crossing as Crossing
 from .results.nonlinear_mode import NonlinearMode as NonlinearMode
 from .results.other_solutions import OtherSolutions as OtherSolutions
 from .results.peak_gradients import PeakGradients as PeakGradients
@@ -68,6 +71,7 @@ from .results.response import ForcedResponse as ForcedResponse
 from .results.stiffness_band import StiffnessBand as StiffnessBand
 from .results.traction_band import TractionBand as TractionBand
 from .results.wear import Wear as Wear
+from .solve.campbell import campbell_diagram as campbell_diagram
 from .solve.controlled import controlled_response as controlled_response
 from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response
@@ -97,7 +101,12 @@ from .structure.cyclic_symmetry import CyclicSymmetry as CyclicSymmetry
 from .structure.elasticity import Material as Material
 from .structure.elasticity import Structure as Structure
 from .structure.elasticity import assemble as assemble
+from .structure.hot_modulus import modulus_at as modulus_at
 from .structure.mesh import Mesh as Mesh
+from .structure.rotating import RotatingStructure as RotatingStructure
+from .structure.rotating import rotating as rotating
+from .structure.rotating_reduction import rotating_superelement as rotating_superelement
+from .structure.rotating_superelement import RotatingSuperelement as RotatingSuperelement
 from .structure.sector_boundaries import cyclic_symmetry as cyclic_symmetry
 from .structure.sector_boundaries import with_next_sector as with_next_sector
 from .structure.sector_reduction import cyclic_sector as cyclic_sector

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.case.reference import MODE_COUNT
 from stickslip.cli.main import app
@@ -57,5 +57,5 @@ def test_a_reference_without_source_ends_the_command_before_anything_runs(tmp_pa
     path.write_text('[reference]\nmode_frequencies = ["412 Hz"]\n', encoding="utf-8")
     result = CliRunner().invoke(app, ["run", str(path), "--out", str(tmp_path / "out")])
     assert result.exit_code == 2
-    assert "reference.source is missing" in " ".join(result.output.split())
+    printed_sentence(result.stderr, "reference.source")
     assert not (tmp_path / "out").exists()

@@ -92,9 +92,9 @@ def test_a_file_has_central_values_and_says_so(tmp_path: Path) -> None:
     }
     for key, sentence in zip(places.scattered, central_sentences(places.scattered), strict=True):
         printed_sentence(sentence, key)
-    with pytest.warns(StickslipWarning, match="central value") as caught:
+    with pytest.warns(StickslipWarning) as caught:
         assert load_case(tmp_path / "study.toml") == case
-    assert len(caught) == 3
+    assert tuple(str(each.message) for each in caught) == central_sentences(places.scattered)
 
 
 def test_constants_of_a_law_may_be_distributed(tmp_path: Path) -> None:

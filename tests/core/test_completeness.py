@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pytest
 
 from sentences import printed_sentence, rejects
-from stickslip.core.completeness import CALLER_REPORTS, reported
+from stickslip.core.completeness import reported
 from stickslip.core.errors import ConvergenceError, NotConvergedWarning
 
 
@@ -24,13 +24,13 @@ def test_a_complete_result_is_returned_in_silence() -> None:
     result = Result(converged=True)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert reported(result, True) is reported(result, False) is reported(result, CALLER_REPORTS) is result
+        assert reported(result, True) is reported(result, False) is result
 
 
 def test_an_incomplete_result_warns_at_the_line_of_the_caller_or_raises() -> None:
     result = Result(converged=False)
 
-    def solver(raise_on_failure: bool | None) -> Result:
+    def solver(raise_on_failure: bool) -> Result:
         return reported(result, raise_on_failure)
 
     with pytest.warns(NotConvergedWarning) as caught:
@@ -39,4 +39,3 @@ def test_an_incomplete_result_warns_at_the_line_of_the_caller_or_raises() -> Non
     printed_sentence(str(caught[0].message))
     with rejects(ConvergenceError):
         solver(True)
-    assert solver(CALLER_REPORTS) is result

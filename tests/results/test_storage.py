@@ -376,7 +376,7 @@ def test_the_command_says_one_sentence_and_no_traceback(saved, share):
     assert result.returncode == 2
     assert result.stdout == ""
     (line,) = result.stderr.splitlines()
-    assert line.startswith("Error: the results file")
+    printed_sentence(line)
 
 
 @pytest.mark.slow

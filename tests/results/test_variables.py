@@ -49,7 +49,6 @@ YOUNGER = {
     "/part",
     "/stability_message",
     "study/mode_reference",
-    "study/changed_inputs",
     "sketch/motion_frequency",
 }
 YOUNGER |= STABILITY | {

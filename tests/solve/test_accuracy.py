@@ -150,8 +150,7 @@ def test_a_limit_of_the_work_is_reported(monkeypatch: pytest.MonkeyPatch) -> Non
     assert response.converged
     assert response.harmonics == 3
     assert response.estimated_error.max() > 0.002
-    (sentence,) = (each for each in response.warnings if "The accuracy of" in each)
-    printed_sentence(sentence, "exceed the limit of the work", numbers=False)
+    printed_sentence("\n".join(response.warnings), numbers=False)
 
 
 def test_without_steps_that_help_the_tangent_alone_gives_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -189,8 +188,7 @@ def test_estimates_have_twice_the_harmonics_within_samples_and_damping(
 def test_an_accuracy_that_the_samples_do_not_allow_is_reported() -> None:
     coarse = make("gaps", 1).solve(harmonics=None, accuracy=1e-5, samples=64)
     assert coarse.estimated_error.max() > 1e-5
-    (sentence,) = (each for each in coarse.warnings if "The accuracy of 0.001 % is not reached" in each)
-    assert f"with up to {coarse.harmonics} harmonics" in sentence
+    printed_sentence("\n".join(coarse.warnings), "0.001 %", f"{coarse.harmonics} harmonics", numbers=False)
     assert coarse.harmonics <= 16
 
 

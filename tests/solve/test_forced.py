@@ -39,7 +39,7 @@ def test_a_curve_without_checks_has_the_same_points(blade: Blade, bench: ForcedR
     assert bench.multipliers is not None
     assert plain.multipliers is None
     assert plain.stable is None
-    assert "checks are omitted" in plain.stability_message
+    printed_sentence(plain.stability_message)
     assert "search_for_missed_peaks" in bench.settings
     assert "search_for_missed_peaks" not in plain.settings
 
@@ -268,7 +268,6 @@ def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> Non
     printed_sentence(unfinished.message)
     with rejects(ConvergenceError):
         call(raise_on_failure=True)
-    assert not call(raise_on_failure=None).converged  # neither warns nor raises
 
 
 @pytest.mark.slow

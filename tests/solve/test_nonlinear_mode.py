@@ -207,9 +207,7 @@ def test_a_mode_that_exchanges_its_shape_has_a_warning() -> None:
     assert result.converged, result.message
     assert result.frequency_hz[-1] < np.sqrt(1e6) / (2.0 * np.pi)
     assert result.damping_ratio == pytest.approx(0.0, abs=1e-9)
-    words = [warning for warning in result.warnings if "exchanges its shape" in warning]
-    assert len(words) == 1
-    printed_sentence(words[0])
+    printed_sentence("\n".join(result.warnings), "stuck mode 2", numbers=False)
     closest = result.stuck_mac.argmax(axis=1) + 1
     assert closest[0] == 1
     assert closest[-1] == 2
@@ -223,8 +221,7 @@ def test_high_damping_has_a_warning() -> None:
     assert high.any()
     assert not high.all()
     assert (result.passes_peaks == ~high).all()
-    (words,) = (warning for warning in result.warnings if "passes" in warning)
-    printed_sentence(words)
+    printed_sentence("\n".join(result.warnings))
 
 
 @pytest.mark.slow
@@ -257,7 +254,7 @@ def test_harmonics_grow_until_the_accuracy_is_reached() -> None:
 def test_an_accuracy_that_is_not_reached_has_a_warning() -> None:
     coarse = ss.nonlinear_mode(*one_mass(ratio=0.002), 1, (1e-5, 1e-4), accuracy=1e-5, samples=64)
     assert coarse.harmonics == 15
-    printed_sentence(next(sentence for sentence in coarse.warnings if "accuracy" in sentence))
+    printed_sentence("\n".join(coarse.warnings), numbers=False)
 
 
 def test_harmonics_and_accuracy_together_are_rejected() -> None:
@@ -269,9 +266,8 @@ def test_too_few_harmonics_have_a_warning() -> None:
     """Rigid friction excites many harmonics: the warning tells that one is not enough, and is silent with 15."""
     few = ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=1, samples=256)
     many = ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=15, samples=256)
-    (sentence,) = (each for each in few.warnings if each.startswith("Too few harmonics"))
-    printed_sentence(sentence)
-    assert not [each for each in many.warnings if "armonics" in each]
+    printed_sentence("\n".join(few.warnings))
+    printed_sentence("\n".join(many.warnings))
 
 
 def test_a_mode_that_cannot_be_followed_ends_with_a_message() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.fourier import with_rows
 from stickslip.solve import evidence as evidence_module
@@ -85,8 +85,7 @@ def test_another_motion_beyond_is_another_piece() -> None:
     assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0, 150.0, 150.1, 200.0])
     assert curve.breaks == [2]
     (warning,) = curve.warnings
-    assert "jumps there" in warning
-    assert SETTLES.words() in warning
+    printed_sentence(warning, SETTLES.words())
 
 
 def test_the_same_motion_beyond_is_the_same_piece() -> None:
@@ -105,8 +104,8 @@ def test_a_gap_is_named_and_a_wide_one_is_no_complete_curve(lowest: float, compl
     (warning,) = curve.warnings
     low = min(hertz_of(curve)[3:])
     assert low >= lowest
-    assert f"no points from 150.000 to {low:.3f} Hz" in warning
-    assert complete or curve.message.startswith("The curve reached the stop frequency, but")
+    printed_sentence(warning, "150.000", f"{low:.3f} Hz")
+    printed_sentence(curve.message)
 
 
 def test_a_curve_that_no_step_lost_ends_with_what_happens_there_too() -> None:
@@ -164,8 +163,7 @@ def test_with_an_accuracy_a_curve_goes_on_from_the_settled_motion_that_more_harm
     assert curve.follow(point(100.0)).complete
     assert hertz_of(curve)[3:] == pytest.approx([150.0, begins, 200.0])
     (warning,) = curve.warnings
-    assert ("by a time integration, with 24 harmonics," in warning) is varies
-    assert settled.words(varies) in warning
+    printed_sentence(warning, settled.words(varies))
 
 
 def test_with_an_accuracy_a_curve_begins_from_the_motion_to_which_it_settles_from_rest(
@@ -175,13 +173,13 @@ def test_with_an_accuracy_a_curve_begins_from_the_motion_to_which_it_settles_fro
     settled = Evidence(100.0, 300, 1e-6, None, 1, 24, 24, point(100.0, 2.0))
     monkeypatch.setattr(Solutions, "evidence_from_rest", lambda *arguments: settled)
     curve = pieces(105.0, 200.0, 2.0, 102.0)
-    with pytest.raises(ConvergenceError, match="there is none"):
+    with rejects(ConvergenceError):
         curve.follow(None, "there is none.")
     curve = pieces(150.05, 200.0, 2.0, 0.0)
     curve._varies = curve._takes_settled = True
     assert curve.follow(None, "there is none.").complete
     assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0, 150.0, 150.1, 200.0])
-    assert curve.warnings[0] == f"There is none. {settled.words(varies=True)} The curve begins from this motion."
+    printed_sentence(curve.warnings[0], settled.words(varies=True))
 
 
 def test_a_curve_without_a_first_point_begins_where_there_is_a_solution() -> None:
@@ -189,9 +187,9 @@ def test_a_curve_without_a_first_point_begins_where_there_is_a_solution() -> Non
     assert not curve.complete  # 2 % are missing
     assert hertz_of(curve) == pytest.approx([102.0, 106.0, 200.0])
     (warning,) = curve.warnings
-    assert warning.startswith("There is none. A time integration from rest")
+    printed_sentence(warning)
     assert curve.breaks == []
-    with pytest.raises(ConvergenceError, match="there is none"):
+    with rejects(ConvergenceError):
         pieces(300.0, 400.0, 2.0, 0.0).follow(None, "there is none.")
 
 
@@ -296,7 +294,7 @@ def test_a_lost_curve_with_an_accuracy_goes_on_with_the_harmonics_of_the_settled
     monkeypatch.setattr(evidence_module, "MORE_HARMONICS", (3,))
     parted = parted_resonance(monkeypatch, newtons=400.0, modal_damping_ratio=0.02)
     assert parted.part.max() == 1
-    assert any("by a time integration, with 3 harmonics," in warning for warning in parted.warnings)
+    printed_sentence("\n".join(parted.warnings), "with 3 harmonics", numbers=False)
     monkeypatch.undo()
     whole = resonance(ss.ContinuationSettings(), 400.0, accuracy=5e-4, harmonics=None, modal_damping_ratio=0.02)
     wanted = np.interp(parted.frequency_hz, whole.frequency_hz, whole.amplitude(ROW))
@@ -308,8 +306,7 @@ def test_a_curve_ends_at_the_limit_of_its_work_with_numbers(monkeypatch: pytest.
     with pytest.warns(ss.NotConvergedWarning):
         response = resonance(ss.ContinuationSettings())
     assert not response.converged
-    assert "limit of 40 iterations" in response.message
-    assert "A time integration from the last point" in response.message
+    printed_sentence(response.message, "40 iterations", numbers=False)
     assert int(response.provenance["solve_work"].split()[0]) >= 40
     monkeypatch.undo()
     assert resonance(ss.ContinuationSettings()).converged

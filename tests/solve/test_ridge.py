@@ -10,7 +10,7 @@ import pytest
 
 import stickslip as ss
 from helpers import Blade
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.peak import CurvePeak
 from stickslip.solve.ridge_stage import Problem, RidgeOptions, RidgeStage
@@ -137,7 +137,7 @@ def test_a_peak_that_leaves_the_frequency_range_ends_its_ridge() -> None:
     low = float(ridge.parameter.min())
     assert 0.6 < low < 0.65  # the spring of the pair does not change: 8 Hz at 0.6
     assert np.isnan(ridge.at(0.55).amplitude).all()
-    assert "the peak leaves the frequency range" in ridge.message
+    printed_sentence(ridge.message)
 
 
 def test_where_the_highest_peak_left_the_range_the_next_one_is_no_optimum() -> None:
@@ -159,7 +159,7 @@ def test_where_the_highest_peak_left_the_range_the_next_one_is_no_optimum() -> N
     assert np.isnan(ridge.at(0.55).amplitude).all()
     assert ridge.at(0.7).amplitude > 0.0
     assert not ridge.converged
-    assert "the peak leaves the frequency range" in ridge.message
+    printed_sentence(ridge.message)
     assert ridge.optimum.parameter >= left * (1.0 - 1e-9)
 
 

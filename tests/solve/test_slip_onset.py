@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from sentences import printed_sentence
 from stickslip.solve.slip_onset import slip_onset
 
 FREE, SPRING, LIMIT, RATIO, FORCE = 4e6, 1e6, 30.0, 0.02, 10.0
@@ -61,9 +62,9 @@ def test_a_normal_force_in_phase_lets_a_pair_shake_down() -> None:
 def test_what_is_not_known_has_a_reason() -> None:
     undamped = slip_onset(*problem(), ROW)
     assert (undamped.first, undamped.nearly_all) == (None, None)
-    assert "no viscous damping" in undamped.trouble
+    printed_sentence(undamped.trouble)
     structure, _, excitation = problem()
     still = ss.ContactPairs([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]], 1e6, SPRING, 0.3, 1.0)
     at_rest = slip_onset(structure, still, excitation, ROW, modal_damping_ratio=RATIO)
     assert at_rest.first is None
-    assert "no pair" in at_rest.trouble
+    printed_sentence(at_rest.trouble)

@@ -13,6 +13,7 @@ import pytest
 
 import stickslip as ss
 from helpers import benchmark_module
+from sentences import printed_sentence
 
 make = benchmark_module("torture_problems").make
 
@@ -96,4 +97,4 @@ def test_a_curve_that_leaves_through_its_start_and_comes_back_says_so() -> None:
     outside |= response.frequency_hz > max(problem.window_hz) + 0.1
     assert response.converged
     assert outside.any()
-    assert sum("leaves the range through its start" in each for each in response.warnings) == 1
+    printed_sentence("\n".join(response.warnings), numbers=False)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.solve.curve_result import LARGEST_UNBALANCE
 
 
@@ -33,21 +33,20 @@ def two_masses(
 def test_an_undamped_resonance_ends_the_curve() -> None:
     """Amplitudes grew to 1e64 m, with a residual of 1e53. The normal load could vary, so nothing is rejected before."""
     pairs = ss.ContactPairs([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]], 1e6, 1e6, 0.3, 20.0)
-    window = ss.forced_response(
-        ss.Superelement(np.eye(2), np.diag([1e6, 4e7])),
-        pairs,
-        [10.0, 0.0],
-        frequency_hz=(120.0, 300.0),
-        harmonics=1,
-        samples=64,
-        threads=1,
-        raise_on_failure=None,
-    )
+    with pytest.warns(ss.NotConvergedWarning):
+        window = ss.forced_response(
+            ss.Superelement(np.eye(2), np.diag([1e6, 4e7])),
+            pairs,
+            [10.0, 0.0],
+            frequency_hz=(120.0, 300.0),
+            harmonics=1,
+            samples=64,
+            threads=1,
+        )
     assert window.residual.max() <= LARGEST_UNBALANCE
     assert np.abs(window.displacement).max() < 1e6
     assert not window.converged
-    assert "There is no viscous damping" in window.message
-    assert "the equation of motion is satisfied only to" in window.message
+    printed_sentence(window.message, numbers=False)
 
 
 def test_contact_of_a_massless_unknown_is_solved_without_damping() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
 from stickslip.solve.worn_joint import WornJoint
 
@@ -222,7 +222,7 @@ def test_wear_ends_with_a_reason_where_no_motion_is_found() -> None:
         worn = ss.wear(structure, pairs, excitation, [1.0, 0.0, 0.0], area=AREA, energy_wear_coefficient=5e-14,
                        cycles=1e7, frequency_hz=(227.5, 240.0), harmonics=1, samples=128)  # fmt: skip
     assert not worn.converged
-    assert worn.message.startswith(f"The wear ends at {worn.cycles[-1]:.4g} cycles: the largest amplitude")
+    printed_sentence(worn.message, f"{worn.cycles[-1]:.4g} cycles", numbers=False)
     assert 0.0 < worn.cycles[-1] < 1e7
 
 

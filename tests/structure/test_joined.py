@@ -35,9 +35,9 @@ def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_super
     assert np.abs(pairs.mesh_operator(blade_mesh.n_nodes) @ modes).max() < 1e-12 * np.abs(modes).max()
 
 
-def test_springs_of_the_wrong_number_are_rejected(blade_mesh, blade_superelement, pairs_of):
+def test_springs_of_the_wrong_number_are_rejected(blade_mesh, blade_structure, pairs_of):
     with rejects(InputError, "springs"):
-        joined_modes(blade_superelement, pairs_of(blade_mesh), 2, np.ones(110))
+        joined_modes(blade_structure, pairs_of(blade_mesh), 2, np.ones(110))
 
 
 def test_a_body_that_moves_freely_has_no_frequency_and_a_soft_one_has() -> None:

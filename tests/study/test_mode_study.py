@@ -72,7 +72,7 @@ def test_a_mode_that_does_not_exist_is_rejected_before_the_curve(monkeypatch: py
     def no_curve(*_: object, **__: object) -> None:
         raise AssertionError("the curve must not be computed")
 
-    monkeypatch.setattr(analyses, "forced_response", no_curve)
+    monkeypatch.setattr(analyses, "unreported_response", no_curve)
     case = quick_case().replace(MODE | {"analysis.mode": 99_999})
     with rejects(InputError, "analysis.mode"):
         analyses.solve(case, build_model(case))

@@ -10,11 +10,13 @@ import pytest
 from sentences import printed_sentence
 from stickslip.contact.law.law import ContactState
 from stickslip.model.model import build_model
+from stickslip.reporting.page import page
 from stickslip.results.record import Value
 from stickslip.study.analyses import solve
 from stickslip.study.check import check
-from stickslip.study.record import _beside_reference, _doubtful_order, study_record
+from stickslip.study.record import _beside_reference, _doubtful_order, changed_inputs, study_record
 from sweep_cases import quick_case
+from synthetic import synthetic_response, synthetic_study
 
 MODES = (350.0, 415.0, 528.0)
 
@@ -45,15 +47,27 @@ def test_few_rows_of_pairs_are_a_warning_if_pairs_separate_at_the_peak() -> None
     model = build_model(case)
     response = solve(case, model, threads=1)
     peak = int(response.amplitude(next(iter(model.outputs.values()))).argmax())
-    few = [each for each in study_record(case, model, (), response).warnings if "rows of pairs" in each]
+    few = study_record(case, model, (), response).warnings
     opens = response.contact_state[peak] == ContactState.SEPARATING
     assert opens.any()
-    (sentence,) = few
-    printed_sentence(sentence, "left face 3")
+    printed_sentence("\n".join(few), "left face 3")
     closed = replace(response, contact_state=np.zeros_like(response.contact_state))
-    assert not [each for each in study_record(case, model, (), closed).warnings if "rows of pairs" in each]
+    assert study_record(case, model, (), closed).warnings == few[:-1]
 
 
 def test_check_lists_the_rows_of_pairs() -> None:
     (sizes,) = [dict(rows) for name, rows in check(quick_case()) if name == "Sizes"]
     assert sizes["rows of pairs"].startswith("3 by 5 on a face; few, if pairs separate")
+
+
+def test_the_page_lists_the_inputs_that_differ_from_their_defaults() -> None:
+    case = quick_case().replace({"friction.coefficient": 0.25})
+    record = replace(synthetic_study(), inputs=case.to_text())
+    lines = changed_inputs(record)
+    assert lines == case.changed_keys()
+    assert "friction.coefficient = 0.25" in lines
+    assert "<li><code>friction.coefficient = 0.25</code></li>" in page(synthetic_response(), record, lines)
+
+
+def test_inputs_of_a_version_with_other_keys_have_no_such_list() -> None:
+    assert changed_inputs(replace(synthetic_study(), inputs='[friction]\nroughening = "0.2"\n')) == ()

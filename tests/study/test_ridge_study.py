@@ -143,7 +143,7 @@ def test_a_key_or_a_range_that_cannot_be_used_is_rejected_before_anything_runs(
     def no_run(*_: object, **__: object) -> None:
         raise AssertionError("nothing runs before the range is checked")
 
-    monkeypatch.setattr(analyses, "forced_response", no_run)
+    monkeypatch.setattr(analyses, "unreported_response", no_run)
     case = quick_case().replace(RIDGE | changes)
     with rejects(ss.InputError, key):
         check(case)

@@ -109,7 +109,7 @@ def test_running_in_to_a_rougher_face_is_rejected_before_anything_runs(monkeypat
     def no_run(*_: object, **__: object) -> None:
         raise AssertionError("nothing runs before the wear is checked")
 
-    monkeypatch.setattr(analyses, "forced_response", no_run)
+    monkeypatch.setattr(analyses, "unreported_response", no_run)
     case = quick_case().replace(WEAR | {"analysis.running_in_sq": "1 mm", "analysis.running_in_depth": "1 um"})
     with rejects(ss.InputError, "analysis.running_in_sq"):
         check(case)

@@ -35,8 +35,8 @@ def test_files_and_exit_code_of_a_band_that_worked(study: Path, tmp_path: Path) 
     result = invoke("band", study, *options)
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith("".join(f"Wrote {out / name}\n" for name in ("band.csv", "band.nc", "band.html")))
-    assert "8 samples, 0 of them from an earlier run; 0 failed." in result.stdout
-    assert "central value" not in result.stderr
+    printed_sentence(result.stdout, "8 samples", numbers=False)
+    assert "Note: " not in result.stderr
     header = (out / "band.csv").read_text(encoding="utf-8").split(",")
     assert header[1:3] == [FORCE, DAMPING]
     again = invoke("band", study, *options, "--quiet")

@@ -48,7 +48,7 @@ def test_limits_without_a_design_are_exit_3(study: Path, tmp_path: Path) -> None
     result = invoke(study, "--over", f"{LIMIT}=2 N:15 N", *limit, "--out", tmp_path / "out", *FEW)
     assert result.exit_code == 3
     assert (tmp_path / "out" / "design.html").exists()
-    assert "No design of" in result.stderr
+    printed_sentence(result.stderr.splitlines()[-1], LIMIT, numbers=False)
 
 
 @pytest.mark.parametrize(

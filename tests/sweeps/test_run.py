@@ -15,7 +15,7 @@ import pytest
 import xarray
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError, InputError, RoughnessError, StudyFileError
 from stickslip.core.progress import Progress
@@ -179,7 +179,7 @@ def test_a_sweep_continues_where_it_ended(swept: tuple, monkeypatch: pytest.Monk
     assert again.table == result.table
     assert len((folder / "sweep.html").read_text(encoding="utf-8")) == pytest.approx(len(page), abs=50)
     part = ss.sweep(quick_case(), VARY | {"excitation.mode": "same"}, out=folder)
-    assert part.table.rows == result.table.rows[1::2]
+    assert (part.found, part.table.rows) == (4, result.table.rows)  # the table retains the other cases
 
 
 @pytest.mark.slow
@@ -218,8 +218,8 @@ def test_cases_that_fail_are_rows_and_the_others_continue(swept: tuple, tmp_path
     good, long, rough, both = result.table.rows
     assert good.measures == swept[1].table.rows[0].measures
     assert [row.converged for row in result.table.rows] == [True, False, False, False]
-    assert "stiffness" in rough.message
-    assert "damper_length is 40 mm" in long.message
+    printed_sentence(rough.message)
+    printed_sentence(long.message, "damper_length", "40 mm")
     assert both.message == long.message
     assert result.table.failed == (long, rough, both)
     assert result.case_files[1:] == (None, None, None)
@@ -246,7 +246,7 @@ def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeyp
     assert not load_results(result.case_files[0]).response.converged
     assert (absent.measures, absent.file) == ({}, "")
     log = tmp_path / "cases" / fault.name / "traceback.log"
-    assert f"(ZeroDivisionError: division by zero). The traceback is in {log}" in fault.message
+    printed_sentence(fault.message, "ZeroDivisionError", str(log))
     assert "in stopped" in log.read_text(encoding="utf-8")
     page = (tmp_path / "sweep.html").read_text(encoding="utf-8")
     assert "3 cases failed" in page

@@ -14,7 +14,8 @@ from stickslip.case.template import is_named, section_types, study_text
 SECTIONS = (
     "study", "structure", "geometry", "damper", "mesh", "material", "bodies", "reduction", "roughness",
     "contact_stiffness", "friction", "interfaces", "ties", "preload", "damping", "excitation", "forces", "base_motion",
-    "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver", "output",
+    "travelling_wave", "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver",
+    "output",
 )  # fmt: skip
 
 
@@ -24,7 +25,8 @@ class CaseContent(BaseModel):
     @property
     def sections(self) -> dict[str, Any]:
         """Section name -> its values, or name -> values where entries have names; in the order of the file."""
-        return {name: getattr(self, name) for name in SECTIONS if name in type(self).model_fields}
+        fields = type(self).model_fields
+        return {name: getattr(self, name) for name in SECTIONS if name in fields}
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Every value with its SI unit ("0.145 m"), for records; ``Case.from_mapping`` gives an equal case."""
@@ -92,8 +94,8 @@ class CaseContent(BaseModel):
     @classmethod
     def section_classes(cls) -> dict[str, tuple[type[BaseModel], ...]]:
         """Section name -> its classes, in the order of the file; of all kinds of structure for ``Case`` itself."""
-        kinds = cls.case_classes()
-        fields = {name: [kind.model_fields[name] for kind in kinds if name in kind.model_fields] for name in SECTIONS}
+        kinds = [kind.model_fields for kind in cls.case_classes()]
+        fields = {name: [each[name] for each in kinds if name in each] for name in SECTIONS}
         return {
             name: tuple(dict.fromkeys(each for field in members for each in section_types(field.annotation)))
             for name, members in fields.items()

@@ -21,9 +21,11 @@ from stickslip.cli.many_cases import (
     about_file,
     close_cases,
     load_study,
+    pages_of_cases,
     require_one_place,
     solving,
     study_from,
+    study_from_model,
 )
 from stickslip.cli.options import (
     FINISHED_CASES_NOTE,
@@ -37,7 +39,6 @@ from stickslip.cli.options import (
     print_rows,
 )
 from stickslip.cli.process import tolerate_closed_output
-from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.files import require_folder, whole_file
 from stickslip.core.progress import terminal_progress
@@ -95,7 +96,7 @@ def new(
         str | None,
         typer.Option(
             "--kind",
-            help="Structure: two-blade (default), mesh (your own file) or matrices.",
+            help="Structure: two-blade (default), bladed-disk, mesh (your own file) or matrices.",
             show_default=False,
         ),
     ] = None,
@@ -103,10 +104,17 @@ def new(
         Path | None,
         typer.Option(
             "--from",
-            metavar="STUDY",
-            help="Write this study file again, with the frequency range and the excitation that check proposes for it.",
+            metavar="STUDY|MODEL",
+            help="Write this study file again, with the frequency range and the excitation that check proposes for it; "
+            "or the study file of a model (.inp, .bdf, .cdb, ...) with its contact pairs as joints.",
             show_default=False,
         ),
+    ] = None,
+    length_unit: Annotated[
+        str | None, typer.Option("--length-unit", help="With a model: unit of its coordinates: mm, m, ...")
+    ] = None,
+    unit_system: Annotated[
+        str | None, typer.Option("--unit-system", help="With a model: system of its materials: mm-t-s, SI, ...")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
     debug: Debug = False,
@@ -115,6 +123,7 @@ def new(
     with error_messages(debug):
         from stickslip.case.case import Case
         from stickslip.case.examples import EXAMPLES
+        from stickslip.formats.meshes.read import is_model_file
 
         if kind is not None and source is not None:
             raise InputError("--kind and --from are both given, but the study of --from has a kind. Give one of them.")
@@ -124,11 +133,19 @@ def new(
         if path.exists() and not force:
             raise InputError(f"{path} exists already. Give another name, or --force to overwrite it.")
         require_folder(path.parent, files=(path.name,))
+        is_model = source is not None and is_model_file(source)
+        if not is_model and (length_unit or unit_system):
+            raise InputError("--length-unit and --unit-system belong to --from with a model file. Remove them.")
         with whole_file(path, "study file", InputError) as part:
-            template = EXAMPLES[kind or "two-blade"]
-            text = Case.from_mapping(template).to_text() if source is None else study_from(source, path)
+            if source is None:
+                text = Case.from_mapping(EXAMPLES[kind or "two-blade"]).to_text()
+            elif is_model:
+                text = study_from_model(source, path, length_unit, unit_system)
+            else:
+                text = study_from(source, path)
             part.write_text(text, encoding="utf-8")
-        echo(f'Wrote {path}. Next: stickslip check "{path}"')
+        first = "complete its lines with # GIVE, then " if is_model else ""
+        echo(f'Wrote {path}. Next: {first}stickslip check "{path}"')
 
 
 @app.command()
@@ -136,11 +153,13 @@ def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
     with error_messages(debug):
         case, places = load_study(path, needs_range=False)
+        from stickslip.study.assembled import Assembled
         from stickslip.study.check import check as checked
         from stickslip.study.proposal import proposed_section
 
         with about_file(places):
-            sections = [*checked(case), proposed_section(case)]
+            assembled = Assembled.of(case)
+            sections = [*checked(case, assembled), proposed_section(case, assembled)]
         for title, rows in sections:
             echo(f"\n{title}")
             print_rows(rows)
@@ -194,7 +213,7 @@ def run(
         from stickslip.study import run as study
 
         with terminal_progress(quiet) as progress, about_file(places):
-            outcome = study.run(case, out, progress=progress, threads=threads, raise_on_failure=CALLER_REPORTS)
+            outcome = study.unreported_run(case, out, progress=progress, threads=threads)
         _close(outcome, quiet)
 
 
@@ -242,6 +261,7 @@ def sweep(
         require_folder(out)
         with solving(replace(places, varied=tuple(varied)), scheduler, quiet) as (progress, executor):
             result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
+            pages_of_cases(result, out, progress)
         close_cases(result, quiet, "cases")
 
 

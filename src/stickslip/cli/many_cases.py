@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from stickslip.sweeps.run import Sweep
 
 EXIT_NOT_CONVERGED = 3  # what was computed is written
+PAGES_AT_ONCE = 24  # chosen: each takes 5 MB and a third of a second; "stickslip report" writes those of larger sweeps
 SHOWN_FAILURES = 10  # chosen: lines on failed cases
 
 
@@ -61,6 +62,20 @@ def study_from(source: Path, target: Path) -> str:
     return text
 
 
+def study_from_model(source: Path, target: Path, length_unit: str | None, unit_system: str | None) -> str:
+    """The text of a study file at ``target`` on the model file ``source``. Raises InputError and ImportFileError."""
+    from stickslip.formats.meshes.read import read_model
+    from stickslip.study.model_study import study_of_model
+
+    if length_unit is None:
+        raise InputError(
+            f"{source} does not contain its unit of length. Give --length-unit mm, m or another unit; "
+            f'"stickslip import {source}" shows the size of the model in both.'
+        )
+    model = read_model(source, length_unit, unit_system)
+    return study_of_model(model, relpath(source, target.parent), unit_system)
+
+
 @contextmanager
 def about_file(places: KeyPositions) -> Iterator[None]:
     """Put the study file's name and the lines of its keys before errors after reading."""
@@ -91,6 +106,17 @@ def solving(
             return
         with cluster_executor(scheduler, progress) as executor:
             yield progress, executor
+
+
+def pages_of_cases(result: Sweep, out: Path, progress: Progress) -> None:
+    """Write the page of each case of a small sweep that has none, and the page of the sweep with links to them."""
+    from stickslip.sweeps.again import report_sweep
+
+    count = len(result.table.rows)
+    if count > PAGES_AT_ONCE:
+        return
+    for number, page in enumerate(report_sweep(out, renew=False)):
+        progress.update("Pages", min(1.0, (number + 1) / (count + 1)), page.parent.name)
 
 
 def close_cases(result: Sweep | Band, quiet: bool, cases: str) -> None:

@@ -7,9 +7,6 @@ from typing import Protocol, TypeVar
 
 from stickslip.core.errors import ConvergenceError, NotConvergedWarning
 
-# Value of ``raise_on_failure`` in calls of stickslip itself, which reports the end of a result in its own way.
-CALLER_REPORTS = None
-
 
 class Ended(Protocol):
     """A result with its end."""
@@ -26,12 +23,13 @@ class Ended(Protocol):
 ResultT = TypeVar("ResultT", bound=Ended)
 
 
-def reported(result: ResultT, raise_on_failure: bool | None) -> ResultT:
+def reported(result: ResultT, raise_on_failure: bool) -> ResultT:
     """The result; if it is not complete, with a NotConvergedWarning, which names the caller of the caller.
 
-    Raises ConvergenceError instead if ``raise_on_failure`` is true; None reports nothing (:data:`CALLER_REPORTS`).
+    Raises ConvergenceError instead if ``raise_on_failure`` is true. Public functions end with this call; stickslip
+    itself calls the function ``unreported_...`` beside each of them, and reports the end in its own way.
     """
-    if result.converged or raise_on_failure is CALLER_REPORTS:
+    if result.converged:
         return result
     sentence = f"The result is not complete: {result.message}"
     if raise_on_failure:

@@ -89,22 +89,34 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
 
 def symmetric_matrix(name: str, value: Any, tolerance: float = 1e-8) -> FloatArray:
     """Return ``value`` as a dense, square, symmetric float matrix (n, n); raises InputError otherwise."""
+    return _with_symmetry(name, value, tolerance, 1.0)
+
+
+def skew_matrix(name: str, value: Any, tolerance: float = 1e-8) -> FloatArray:
+    """Return ``value`` as a dense, square, skew-symmetric float matrix (n, n); raises InputError otherwise."""
+    return _with_symmetry(name, value, tolerance, -1.0)
+
+
+def _with_symmetry(name: str, value: Any, tolerance: float, sign: float) -> FloatArray:
+    """A matrix (n, n) that equals ``sign`` times its transpose, without the round-off that differs from it."""
     dense = value.toarray() if scipy.sparse.issparse(value) else value
     matrix = finite_array(name, dense)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
         raise argument_error(name, f"{name} must be a square matrix, but its shape is {matrix.shape}.")
     largest = float(np.abs(matrix).max(initial=0.0))
-    asymmetry = float(np.abs(matrix - matrix.T).max(initial=0.0))
+    difference = np.abs(matrix - sign * matrix.T)
+    asymmetry = float(difference.max(initial=0.0))
     if asymmetry > tolerance * largest:
-        i, j = np.unravel_index(int(np.abs(matrix - matrix.T).argmax()), matrix.shape)
+        i, j = np.unravel_index(int(difference.argmax()), matrix.shape)
+        words, operation, other = ("symmetric", "+", "") if sign > 0.0 else ("skew-symmetric", "-", "minus ")
         raise argument_error(
             name,
-            f"{name} must be symmetric, but entry [{i}, {j}] = {matrix[i, j]:.6g} and entry [{j}, {i}] = "
-            f"{matrix[j, i]:.6g} "
+            f"{name} must be {words}, but entry [{i}, {j}] = {matrix[i, j]:.6g} and {other}entry [{j}, {i}] = "
+            f"{sign * matrix[j, i]:.6g} "
             f"differ by {asymmetry / largest:.1e} of the largest entry (allowed: {tolerance:.0e}). "
-            f"If the difference is round-off, pass 0.5 * ({name} + {name}.T).",
+            f"If the difference is round-off, pass 0.5 * ({name} {operation} {name}.T).",
         )
-    return 0.5 * (matrix + matrix.T)
+    return np.asarray(0.5 * (matrix + sign * matrix.T))
 
 
 def per_pair(name: str, value: ArrayLike, n_pairs: int) -> FloatArray:

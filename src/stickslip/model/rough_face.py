@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from stickslip.contact.stiffness.fractal import (
     fractal_contact,
     reduced_modulus,
 )
+from stickslip.contact.stiffness.persson import PerssonStiffness
 from stickslip.contact.stiffness.scaled_law import ScaledStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 from stickslip.contact.stiffness.surface import SurfaceStatistics, fractal_roughness_from_sq, surface_statistics
@@ -30,24 +32,40 @@ class RoughFace:
     stiffness: ContactStiffness  # fractal law, of ``reference_area`` under the mean pressure of the face
     statistics: SurfaceStatistics
     reference_area: float  # m2, roughness.reference_area or the area of the face
-    believable: Believable | None  # the law of the study against Persson's; None for a face without load
-    messages: tuple[str, ...]  # on the law of the study under this pressure
+    law_name: str
+    law: StiffnessLaw  # that of the study
+    persson: PerssonStiffness
+    pressure: float  # Pa, mean
+
+    @cached_property
+    def believable(self) -> Believable | None:
+        """The law of the study against Persson's; None for a face without load."""
+        return compared(self.law, self.persson, self.pressure) if self.pressure > 0.0 else None
+
+    @cached_property
+    def messages(self) -> tuple[str, ...]:
+        """Messages on the law of the study under this pressure."""
+        if self.believable is None:
+            return self.stiffness.messages
+        own = self.stiffness.messages if self.law_name == "fractal" else self.law.valid(np.array([self.pressure]))
+        if self.believable.is_inside:
+            return own
+        return (*own, self.believable.message(f'the law "{self.law_name}"'))
 
 
 def rough_face(roughness: Roughness, section: RoughnessSection, area: float, load: float) -> RoughFace:
-    """A rough face of ``area`` (m2) under ``load`` (N): its fractal contact, and its law against Persson's."""
+    """A rough face of ``area`` (m2) under ``load`` (N): its fractal contact, and its law beside Persson's."""
     reference = section.reference_area or area
     pressure = load / area
-    fractal = fractal_contact(roughness, pressure * reference, mode=section.fractal_mode, area=reference)
-    statistics = surface_statistics(roughness, section.sample_length, section.shortest_length)
-    if not load > 0.0:
-        return RoughFace(fractal, statistics, reference, None, fractal.messages)
-    law = law_of_section(roughness, section, area)
-    believable = compared(law, persson_law(roughness, area, section.form_length), pressure)
-    messages = fractal.messages if section.law == "fractal" else law.valid(np.array([pressure]))
-    if not believable.is_inside:
-        messages = (*messages, believable.message(f'the law "{section.law}"'))
-    return RoughFace(fractal, statistics, reference, believable, messages)
+    return RoughFace(
+        fractal_contact(roughness, pressure * reference, mode=section.fractal_mode, area=reference),
+        surface_statistics(roughness, section.sample_length, section.shortest_length),
+        reference,
+        section.law,
+        law_of_section(roughness, section, area),
+        persson_law(roughness, area, section.form_length),
+        pressure,
+    )
 
 
 def law_of_section(roughness: Roughness, section: RoughnessSection, area: float) -> StiffnessLaw:

@@ -10,7 +10,7 @@ from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace
 from stickslip.reporting.style import number, shown_number
-from stickslip.results.campbell import Campbell, Crossing, crossings
+from stickslip.results.campbell import Campbell, Crossing
 
 _ROOM = 1.08  # of the highest frequency, for the names of the engine orders
 _BETWEEN_NAMES = 0.05  # chosen: of the highest speed; nearer names overlap on a phone
@@ -34,7 +34,7 @@ def campbell_figure(diagram: Campbell) -> Figure:
         ("no contact", diagram.free_hz, ORANGE, "dot"),
     ):
         traces += _modes(diagram, name, frequency, colour, dash)
-    marks = crossings(diagram.speed_rpm, diagram.stuck_hz, diagram.orders)
+    marks = diagram.crossings()
     if marks:
         traces.append(_marks(marks))
     low = min(0.0, float(diagram.speed_rpm[0]))
@@ -64,7 +64,7 @@ def crossing_rows(diagram: Campbell) -> list[tuple[str, str, str, str]]:
     """Mode, engine order, speed and frequency of each crossing with contact stuck, in words."""
     return [
         (str(each.mode), str(each.order), number(each.speed_rpm), shown_number(each.frequency_hz, "Hz"))
-        for each in crossings(diagram.speed_rpm, diagram.stuck_hz, diagram.orders)
+        for each in diagram.crossings()
     ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from os import PathLike
 from pathlib import Path
 
@@ -22,20 +22,22 @@ from stickslip.results.response import ForcedResponse
 from stickslip.results.sweeps_of_curve import reaches
 
 
-def write_page(path: str | PathLike[str], response: ForcedResponse, study: StudyRecord) -> None:
-    """Write the report of one run to ``path``, completely or not at all.
+def write_page(
+    path: str | PathLike[str], response: ForcedResponse, study: StudyRecord, changed_inputs: Sequence[str] = ()
+) -> None:
+    """Write the report of one run to ``path``, completely or not at all; ``changed_inputs`` come before all inputs.
 
     Raises InputError if the study does not belong to the response, or the place cannot be written.
     """
     target = Path(path)
-    text = page(response, study)
+    text = page(response, study, changed_inputs)
     with whole_file(target, "report", InputError) as part:
         part.write_text(text, encoding="utf-8")
 
 
-def page(response: ForcedResponse, study: StudyRecord) -> str:
+def page(response: ForcedResponse, study: StudyRecord, changed_inputs: Sequence[str] = ()) -> str:
     """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
-    view = View.of(response, study)
+    view = View.of(response, study, changed_inputs)
     ended = "converged" if response.converged else "NOT converged"
     sections = [CURVE, *(section for section in SECTIONS if section.applies(view))]
     contents = [section.on_page(view) for section in sections]

@@ -11,7 +11,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from stickslip import __version__
@@ -43,6 +43,14 @@ class Tile:
     more: str = ""
 
 
+@dataclass(frozen=True)
+class StudyText:
+    """The study file of a page, and the lines "section.key = value" of the keys that differ from their defaults."""
+
+    text: str
+    changed: Sequence[str] = ()
+
+
 def asset(name: str, package: str = OWN_PACKAGE) -> str:
     """Text of a file of the assets of a package."""
     return (files(package) / "assets" / name).read_text(encoding="utf-8")
@@ -58,8 +66,7 @@ def rendered(template: str, values: Mapping[str, Any], package: str = OWN_PACKAG
 
 def rendered_text(template: str, values: Mapping[str, Any]) -> Markup:
     """A template in the code, which may use ``parts``; otherwise as :func:`rendered`."""
-    whole = '{% import "parts.html" as parts %}' + template
-    return Markup(_environment(OWN_PACKAGE).from_string(whole).render(values))
+    return Markup(_template(template).render(values))
 
 
 def whole_page(
@@ -105,6 +112,12 @@ def whole_page(
 def when(provenance: Mapping[str, str]) -> str:
     """The date of a provenance in words."""
     return provenance.get("date", "date unknown").replace("T", " ").replace("+00:00", " UTC")
+
+
+@cache
+def _template(text: str) -> Template:
+    """A template in the code: a page with several of its kind, such as a sweep, compiles it once."""
+    return _environment(OWN_PACKAGE).from_string('{% import "parts.html" as parts %}' + text)
 
 
 @cache

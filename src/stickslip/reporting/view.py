@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,7 +23,7 @@ class View:
 
     ``amplitude_um`` (n_points,), ``stuck_um`` and ``free_um`` (n_linear,) are 0-to-peak in µm; ``point`` is the
     computed point at the peak and ``pair`` the one that dissipates most there; energies times ``energy_factor`` are in
-    ``energy_unit``.
+    ``energy_unit``; ``changed_inputs`` are lines of the inputs that differ from their defaults.
     """
 
     response: ForcedResponse
@@ -35,9 +36,10 @@ class View:
     pair: int
     energy_factor: float
     energy_unit: str
+    changed_inputs: tuple[str, ...]
 
     @classmethod
-    def of(cls, response: ForcedResponse, study: StudyRecord) -> View:
+    def of(cls, response: ForcedResponse, study: StudyRecord, changed_inputs: Sequence[str] = ()) -> View:
         """Raises InputError if the study does not belong to the response."""
         study.require_fit(response)
         row = study.outputs[study.response_output]
@@ -55,6 +57,7 @@ class View:
             pair=int(response.friction_energy[point].argmax()),
             energy_factor=factor,
             energy_unit=unit,
+            changed_inputs=tuple(changed_inputs),
         )
 
     def shown_frequency_hz(self, frequency_hz: float) -> float:

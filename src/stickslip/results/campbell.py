@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from stickslip.core.units import Quantity
-from stickslip.core.validation import FloatArray
+from stickslip.core.validation import FloatArray, require_choice
+from stickslip.results.campbell_plot import campbell_plot
 from stickslip.results.comparison import Compared
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SPEED_KEY = "rotation.speed"
 RPM = 60.0 / (2.0 * np.pi)  # rad/s to revolutions per minute
@@ -30,14 +35,14 @@ class Crossing:
 
 @dataclass(frozen=True, eq=False)
 class Campbell:
-    """Natural frequencies of several results of one structure at different speeds.
+    """Natural frequencies of one structure at different speeds, of several results or of :func:`campbell_diagram`.
 
     speed_rpm:
         (s,) rising.
     stuck_hz, free_hz:
         (s, modes) Hz, pairs closed at rest stuck, and without contact; NaN where a result has fewer modes.
     names:
-        (s,) of the results.
+        (s,) of the results or speeds.
     """
 
     names: tuple[str, ...]
@@ -57,6 +62,16 @@ class Campbell:
         first = max(1, int(np.ceil(60.0 * lowest / self.speed_rpm[-1])))
         last = int(60.0 * self.highest_hz / max(self.speed_rpm[0], 1e-9 * self.speed_rpm[-1]))
         return tuple(range(first, min(last, first + MOST_ORDERS - 1) + 1))
+
+    def crossings(self, limit: Literal["stuck", "free"] = "stuck") -> tuple[Crossing, ...]:
+        """Where the frequencies of a limit cross the lines of the ``orders``, sorted by speed."""
+        require_choice("limit", limit, ("stuck", "free"))
+        return crossings(self.speed_rpm, self.stuck_hz if limit == "stuck" else self.free_hz, self.orders)
+
+    def plot(self) -> Figure:
+        """The diagram as a figure of matplotlib."""
+        marks = [(each.speed_rpm, each.frequency_hz) for each in self.crossings()]
+        return campbell_plot(self.speed_rpm, self.stuck_hz, self.free_hz, self.orders, marks)
 
 
 def campbell(compared: Sequence[Compared]) -> Campbell | None:

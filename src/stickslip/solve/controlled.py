@@ -53,7 +53,7 @@ def controlled_response(
     continuation: ContinuationSettings | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> ForcedResponse:
     """Follow the periodic response along the frequency with a prescribed first harmonic of an output.
 

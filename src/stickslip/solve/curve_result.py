@@ -24,18 +24,14 @@ from stickslip.solve.harmonic.neglected import CurveAccuracy, more_harmonics
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.retreats import Crossing
 from stickslip.solve.path.stepping import Accepted, BranchPoint, Corner, Retreat
-from stickslip.solve.setting_up import Balances, CurveBalances, StageReport
-from stickslip.solve.stability.curve import CurveStability, curve_stability, reason_without
+from stickslip.solve.setting_up import CurveBalances, StageReport
+from stickslip.solve.stability.curve import CurveStability, reason_without
 
 # Reported fraction of the work at the end of the window: energies, checks and linear limits follow.
 LARGEST_FRACTION = 0.99
 # A point with a larger fraction of unbalanced forces is not a result. This is half of the limit of the sampling check
 # (checks.LARGEST_SAMPLE_RESIDUAL), so that the error of the arithmetic is below that of the discretisation.
 LARGEST_UNBALANCE = 1e-3
-NO_STABILITY_OF_SECTORS = (
-    "The stability of the points is not known: a small disturbance of a disk may have any nodal diameter, but the "
-    "equations of a sector contain only those of the excitation."
-)
 # chosen: a warning lists up to this number of places.
 FEW_PLACES = 4
 # chosen: a warning reports a larger distance from 1 of the multiplier at a fold.
@@ -116,7 +112,7 @@ def response_of(
     fine = balances.with_harmonics(more_harmonics(harmonics, doubled, balances.damped_harmonics), doubled)
     check = check_resolution(balance, fine, trials, accuracy)
     report.stage("stability of the points")
-    reason = no_stability or reason_without(balance.pairs)
+    reason = no_stability or reason_without(balance.pairs) or balances.no_stability
     breaks = [each for each in breaks if each < len(trials) - 1]
     verdict, stability_message = _stability(trials, breaks, balance, balances, reason)
     report.stage("linear limits")
@@ -182,10 +178,8 @@ def _stability(
     """The stability of the points and a sentence; None for a ``reason`` against it."""
     if reason:
         return None, reason
-    if not isinstance(balances, Balances):
-        return None, NO_STABILITY_OF_SECTORS
     ends = [0, *(each + 1 for each in breaks), len(trials)]
-    parts = [curve_stability(trials[i:j], balance.pairs, balances.stuck) for i, j in itertools.pairwise(ends)]
+    parts = [balances.stability(trials[i:j], balance.pairs) for i, j in itertools.pairwise(ends)]
     stability = CurveStability.joined(parts)
     unstable = int((~stability.stable).sum())
     sentence = f"{unstable} of {len(trials)} points are unstable." if unstable else "All points are stable."

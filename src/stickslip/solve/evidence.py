@@ -14,10 +14,8 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import amplitude_ramp, at_frequency
-from stickslip.solve.harmonic.unbounded import sliding_shapes
-from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.newton import Newton
-from stickslip.solve.setting_up import Balances, CurveBalances
+from stickslip.solve.setting_up import CurveBalances
 from stickslip.solve.transient.integrate import (
     TransientResponse,
     check_integration,
@@ -106,8 +104,7 @@ class Settling:
     ) -> None:
         self._newton, self._curve, self._balances, self._report = newton, curve, balances, report
         self._harmonics = curve.balance.harmonics
-        # The equations of a sector contain no other motion than waves, so only a structure has a motion in time.
-        self._in_time = MotionInTime(balances) if isinstance(balances, Balances) else None
+        self._in_time = balances.in_time()
         self.work = curve.work
 
     def solution(self, near: Sequence[BalancePoint], omega: float, ramp: bool) -> tuple[BalancePoint, str] | None:
@@ -185,11 +182,9 @@ class Settling:
         return tried, None
 
     def _repeats_after(self, motion: TransientResponse) -> int | None:
-        """See :func:`repeats_after`; the place of a body that may walk does not count."""
-        balances, starts, period = self._balances, motion.period_starts, motion.displacement
-        if balances.pairs.walking().any() and isinstance(balances, Balances):
-            shapes = sliding_shapes(balances.free, balances.pairs)
-            starts, period = (each - each @ balances.superelement.mass @ shapes @ shapes.T for each in (starts, period))
+        """See :func:`repeats_after`; the position of a body that may walk does not count."""
+        assert self._in_time is not None  # it gave the motion
+        starts, period = (self._in_time.without_walk(each) for each in (motion.period_starts, motion.displacement))
         return repeats_after(starts, float(np.linalg.norm(period - period.mean(axis=0), axis=1).max()))
 
     def _integrated(self, start: BalancePoint | None, omega: float, periods: int) -> TransientResponse | None:

@@ -19,13 +19,13 @@ from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import real_number, require_allowed, whole_number
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
-from stickslip.solve.cyclic.balances import SectorBalances, sector_balances
+from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.evidence import Settling
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT, FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
-from stickslip.solve.harmonic.neglected import CurveAccuracy, more_harmonics
+from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy, VaryingPoint
 from stickslip.solve.path.continuation import Branch
@@ -33,8 +33,8 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.path.work import Work
 from stickslip.solve.pieces import Pieces
-from stickslip.solve.setting_up import Balances, StageReport, checked_window, prepare_balances
-from stickslip.solve.traction_band import DEFAULT_STARTS, TractionBandSearch, checked_band_output
+from stickslip.solve.setting_up import StageReport, checked_window
+from stickslip.solve.traction_band import DEFAULT_STARTS, TractionBandSearch
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.superelement import Superelement
 
@@ -66,7 +66,7 @@ def forced_response(
     checks: bool = True,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> ForcedResponse:
     """Follow the periodic response to a harmonic excitation along the frequency.
 
@@ -117,8 +117,7 @@ def forced_response(
     progress:
         called with the finished fraction of the window and a message.
     raise_on_failure:
-        true: ConvergenceError for a curve that ends early; false: NotConvergedWarning. None: neither, for programs that
-        read ``converged`` themselves.
+        true: ConvergenceError for a curve that ends early; false: NotConvergedWarning.
 
     Returns
     -------
@@ -135,17 +134,29 @@ def forced_response(
         ConvergenceError if there is no first point, and for
         a curve that ends early with ``raise_on_failure``.
     """
+    response = unreported_response(
+        superelement, pairs, as_excitation(excitation, force_sin, force_cos), frequency_hz=frequency_hz,
+        harmonics=harmonics, accuracy=accuracy, samples=samples, modal_damping_ratio=modal_damping_ratio, update=update,
+        newton=newton, continuation=continuation, traction_band=traction_band, traction_starts=traction_starts,
+        checks=checks, threads=threads, progress=progress,
+    )  # fmt: skip
+    return reported(response, raise_on_failure)
+
+
+def unreported_response(
+    superelement: Superelement | CyclicSector, pairs: ContactPairs, excitation: Excitation, *,
+    frequency_hz: tuple[float, float], harmonics: int | None, accuracy: float | None, samples: int,
+    modal_damping_ratio: float | None, update: Update, newton: NewtonSettings | None,
+    continuation: ContinuationSettings | None, traction_band: ArrayLike | None, traction_starts: int, checks: bool,
+    threads: int | None, progress: ProgressCallback | None,
+) -> ForcedResponse:  # fmt: skip
+    """:func:`forced_response`, for a caller that reports a curve that ends early itself."""
     began = time.perf_counter()
     window = checked_window(frequency_hz)
     threads = thread_count(threads)
-    excitation = as_excitation(excitation, force_sin, force_cos)
     whole_number("traction_starts", traction_starts, 0)
-    if traction_band is not None and isinstance(superelement, CyclicSector):
-        raise InputError(
-            "traction_band is not computed for a cyclic sector: omit it, or give the full ring.",
-            arguments=["traction_band"],
-        )
-    band_output = None if traction_band is None else checked_band_output(pairs, traction_band, superelement.size)
+    structure = curve_structure(superelement)
+    band_output = None if traction_band is None else structure.band_output(pairs, traction_band)
     newton = newton or NewtonSettings()
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
@@ -153,17 +164,10 @@ def forced_response(
     least = least_harmonics(harmonics, accuracy, samples, excitation)
     with solver_threads(3 * pairs.n_pairs, threads):
         highest = max(start_omega, stop_omega)
-        balances: Balances | SectorBalances
-        if isinstance(superelement, CyclicSector):
-            most = samples if accuracy is not None else more_harmonics(least, 2 * samples)
-            balances = sector_balances(
-                superelement, pairs, excitation, highest, least, most, samples, modal_damping_ratio, update,
-                report.stage,
-            )  # fmt: skip
-        else:
-            balances = prepare_balances(
-                superelement, pairs, excitation, highest, least, samples, modal_damping_ratio, update, report.stage
-            )
+        given = CurveInput(
+            pairs, excitation, highest, least, accuracy is not None, samples, modal_damping_ratio, update
+        )
+        balances = structure.balances(given, report.stage)
         unbounded = balances.unbounded(window)
         work = Work(2 * least + 1, WORK_PER_POINT * settings.max_points)
         curve = FrequencyCurve(balances.with_harmonics(least), work=work)
@@ -227,16 +231,15 @@ def forced_response(
             accurate = Pieces(by_accuracy, window_omega, settling, varies=True).follow(start, how)
             points = accurate_points = [each.point for each in accurate.points]
             response = finished(accurate, varying.newton, varying.widest, varying.reached(accurate_points))
-        if band_output is not None and isinstance(balances, Balances):
+        if band_output is not None:
             search = TractionBandSearch(
-                balances, response.harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings,
+                balances.of_structure(), response.harmonics, resonances, window_omega, band_output, newton, settings,
                 report, traction_starts,
             )  # fmt: skip
             response = replace(response, traction_band=search.band(points))
             response = replace(response, warnings=(*response.warnings, *search.warnings))
     cost = {"solve_seconds": f"{time.perf_counter() - began:.2f}", "solve_work": f"{work.total:.0f} iterations"}
-    response = replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | cost)
-    return reported(response, raise_on_failure)
+    return replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | cost)
 
 
 def least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:

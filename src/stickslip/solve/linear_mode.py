@@ -14,7 +14,7 @@ from stickslip.solve.harmonic.compliance import require_one_size
 from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
 from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.mode_shapes import sliding_limit
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
 Limit = Literal["stuck", "sliding"]
 
@@ -71,13 +71,22 @@ class LinearMode:
     load_shape: FloatArray
 
     @classmethod
-    def of(cls, superelement: Superelement, pairs: ContactPairs, number: int, limit: Limit) -> LinearMode:
-        """The mode with a ``number`` in a linear limit. Raises InputError."""
+    def of(
+        cls,
+        superelement: Superelement,
+        pairs: ContactPairs,
+        number: int,
+        limit: Limit,
+        stuck: LinearLimit | None = None,
+    ) -> LinearMode:
+        """The mode with a ``number`` in a linear limit; ``stuck`` is the stuck limit, if known. Raises InputError."""
         require_choice("limit", limit, get_args(Limit))
         whole_number("mode", number, 1)
         require_one_size(superelement, pairs)
+        require_no_gyroscopic(superelement, "a mode")
         undamped = np.zeros_like(superelement.mass)
-        stuck = LinearLimit.of_matrices(superelement.mass, stuck_stiffness_matrix(superelement, pairs), undamped)
+        if stuck is None:
+            stuck = LinearLimit.of_matrices(superelement.mass, stuck_stiffness_matrix(superelement, pairs), undamped)
         chosen = stuck if limit == "stuck" else sliding_limit(superelement, pairs, undamped)
         moving = np.flatnonzero(~chosen.rigid)
         if number > moving.size:

@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.fourier import analysis_matrix
 from stickslip.core.validation import FloatArray
-from stickslip.solve.setting_up import Balances
+from stickslip.solve.excitation import ExcitationForce
+from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.harmonic.unbounded import sliding_shapes
 from stickslip.solve.transient.integrate import TransientResponse, integrate_to_steady_state
 from stickslip.structure.superelement import Superelement
 
 
+@dataclass(frozen=True)
 class MotionInTime:
-    """Time integration of the structure, joint and force of ``balances``."""
+    """Time integration of a structure, with its damping, a joint and a force."""
 
-    def __init__(self, balances: Balances) -> None:
-        self._balances = balances
-
-    @cached_property
-    def structure(self) -> Superelement:
-        """The structure with the damping of the balance."""
-        superelement = self._balances.superelement
-        return Superelement(superelement.mass, superelement.stiffness, self._balances.stuck.damping)
+    structure: Superelement
+    pairs: ContactPairs
+    force: ExcitationForce
 
     def after(
         self, start: Mapping[str, FloatArray], omega: float, steps: int, periods: int, tolerance: float
@@ -35,11 +34,11 @@ class MotionInTime:
         ``start`` has ``initial_...`` arguments of :func:`integrate_to_steady_state`; without them from rest. None if
         the iteration of a step fails.
         """
-        force = self._balances.force.coefficients(omega)
+        force = self.force.coefficients(omega)
         try:
             return integrate_to_steady_state(
                 self.structure,
-                self._balances.pairs,
+                self.pairs,
                 force[1::2].T,
                 force[2::2].T,
                 omega / (2.0 * np.pi),
@@ -56,7 +55,7 @@ class MotionInTime:
 
     def unknowns(self, motion: TransientResponse, harmonics: int) -> FloatArray:
         """(2H+1, m) the last period as unknowns of the balance; if a body walks their mean is that of many cycles."""
-        pairs, steps = self._balances.pairs, len(motion.displacement)
+        pairs, steps = self.pairs, len(motion.displacement)
         walking = pairs.walking()
         straight, way = motion.displacement, np.zeros(walking.shape)
         if walking.any():
@@ -66,3 +65,13 @@ class MotionInTime:
         unknowns = analysis_matrix(harmonics, steps) @ straight @ pairs.operator.T
         unknowns[0] += way.ravel()
         return np.asarray(unknowns)
+
+    def without_walk(self, displacement: FloatArray) -> FloatArray:
+        """Displacements (k, n) without the position of a body that may walk, on which no force depends."""
+        if not self.pairs.walking().any():
+            return displacement
+        matrices = self.structure
+        assert matrices.damping is not None  # the balances give it
+        free = LinearLimit.of_matrices(matrices.mass, matrices.stiffness, matrices.damping)
+        shapes = sliding_shapes(free, self.pairs)
+        return np.asarray(displacement - displacement @ matrices.mass @ shapes @ shapes.T)

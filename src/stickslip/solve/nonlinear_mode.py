@@ -81,7 +81,7 @@ def nonlinear_mode(
     continuation: ContinuationSettings | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> NonlinearMode:
     """Follow a nonlinear mode over its modal amplitude: frequency, damping ratio, shape, contact states and energies.
 
@@ -121,6 +121,21 @@ def nonlinear_mode(
         for inputs that cannot be used, such as a mode that does not exist, or an amplitude at which a law has no
         restoring force. ConvergenceError if there is no first point.
     """
+    result = unreported_mode(
+        superelement, pairs, mode, amplitude, limit=limit, harmonics=harmonics, accuracy=accuracy, samples=samples,
+        modal_damping_ratio=modal_damping_ratio, update=update, newton=newton, continuation=continuation,
+        threads=threads, progress=progress,
+    )  # fmt: skip
+    return reported(result, raise_on_failure)
+
+
+def unreported_mode(
+    superelement: Superelement, pairs: ContactPairs, mode: int, amplitude: tuple[float, float], *, limit: Limit,
+    harmonics: int | None, accuracy: float | None, samples: int, modal_damping_ratio: float | None, update: Update,
+    newton: NewtonSettings | None, continuation: ContinuationSettings | None, threads: int | None,
+    progress: ProgressCallback | None,
+) -> NonlinearMode:  # fmt: skip
+    """:func:`nonlinear_mode`, for a caller that reports a branch that ends early itself."""
     began = time.perf_counter()
     lowest, highest = checked_amplitudes(amplitude)
     threads = thread_count(threads)
@@ -157,8 +172,7 @@ def nonlinear_mode(
         "amplitude_stop": ends[1],
         "newton_tolerance": newton.tolerance,
     }
-    result = replace(result, settings={**result.settings, **options}, provenance=provenance)
-    return reported(result, raise_on_failure)
+    return replace(result, settings={**result.settings, **options}, provenance=provenance)
 
 
 @dataclass(frozen=True)

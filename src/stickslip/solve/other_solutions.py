@@ -24,7 +24,6 @@ from stickslip.solve.forced import as_excitation
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.known_curve import KnownCurve
 from stickslip.solve.harmonic.resonances import Resonances
-from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
@@ -145,7 +144,7 @@ class _Search:
         report: StageReport,
     ) -> None:
         self._balances, self._continuation, self._report = balances, continuation, report
-        self._balance, self._in_time = balances.with_harmonics(response.harmonics), MotionInTime(balances)
+        self._balance, self._in_time = balances.with_harmonics(response.harmonics), balances.in_time()
         self._curve = FrequencyCurve(self._balance)
         self._newton = Newton(self._curve, newton, report.iteration)
         self._resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
@@ -270,7 +269,7 @@ class _Search:
         return replace(followed, points=followed.points[max(first - 1, 0) : last + 1], closed=False)
 
     def _stable(self, points: Sequence[BalancePoint]) -> Flags:
-        if reason_without(self._balance.pairs):
+        if reason_without(self._balance.pairs) or self._balances.no_stability:
             return stable_between_folds([point.trial.omega for point in points])
         trials = [point.trial for point in points]
         return curve_stability(trials, self._balance.pairs, self._balances.stuck).stable

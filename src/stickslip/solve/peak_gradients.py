@@ -34,7 +34,7 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Step
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.solve.solver_input import SolverInput
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
 # Distance of the places on the curve, over the width of the peak. Differences of fourth order have a relative error of
 # 1e-5 with it, and the small jumps of the slope by samples hardly enter.
@@ -239,6 +239,7 @@ def peak_gradients(
             superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), response.harmonics, count,
             modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,
         )  # fmt: skip
+        require_no_gyroscopic(superelement, "the gradient of a peak")
         report.stage("refinement of the peak", 0.1)
         balance = balances.exact(response.harmonics, count)
         refined = RefinedPeak.of(balance, row, _around(balance, response, top))

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -54,7 +54,7 @@ def quasi_static_mode(
     points_per_decade: int = 40,
     modal_damping_ratio: float | None = None,
     threads: int | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> QuasiStaticMode:
     """Estimate frequency and damping ratio of a stuck mode against amplitude from a static load in its shape.
 
@@ -79,16 +79,27 @@ def quasi_static_mode(
         for inputs that cannot be used. ConvergenceError if there is no first point.
     """
     began = time.perf_counter()
-    lowest, highest = checked_amplitudes(amplitude)
+    bounds = checked_amplitudes(amplitude)
     density = whole_number("points_per_decade", points_per_decade, 1)
     with solver_threads(3 * pairs.n_pairs, thread_count(threads)):
         linear = LinearMode.of(superelement, pairs, mode, "stuck")
         stuck = stuck_structure(superelement, pairs, linear.omega, modal_damping_ratio)
-        ramp = _ModeRamp.of(stuck, linear)
-        count = math.ceil(density * math.log10(highest / lowest)) + 1
-        wanted = np.geomspace(lowest, highest, count)
-        before = np.geomspace(lowest / 10.0**DECADES_BEFORE, lowest, DECADES_BEFORE * density, endpoint=False)
-        levels = ramp.follow(np.concatenate([before, wanted]))
+        result = unreported_static_mode(stuck, linear, bounds, density)
+    provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
+    return reported(replace(result, provenance=provenance), raise_on_failure)
+
+
+def unreported_static_mode(
+    stuck: StuckStructure, linear: LinearMode, amplitude: tuple[float, float], points_per_decade: int
+) -> QuasiStaticMode:
+    """The estimate for a stuck mode whose modes are known; the caller reports a load that ends early."""
+    lowest, highest = amplitude
+    ramp = _ModeRamp.of(stuck, linear)
+    count = math.ceil(points_per_decade * math.log10(highest / lowest)) + 1
+    wanted = np.geomspace(lowest, highest, count)
+    first = lowest / 10.0**DECADES_BEFORE
+    before = np.geomspace(first, lowest, DECADES_BEFORE * points_per_decade, endpoint=False)
+    levels = ramp.follow(np.concatenate([before, wanted]))
     if len(levels) <= before.size:
         raise ConvergenceError(
             f"the solver found no static equilibrium at a modal amplitude of {lowest:.3g} m kg^0.5. Give a lower one."
@@ -100,9 +111,7 @@ def quasi_static_mode(
             f"The solver found no static equilibrium above a modal amplitude of {levels[-1].amplitude:.3g} m kg^0.5 of "
             f"{highest:.3g}."
         )
-    seconds = time.perf_counter() - began
-    result = _result(ramp, levels, before.size, complete, message, modal_damping_ratio, seconds)
-    return reported(result, raise_on_failure)
+    return _result(ramp, levels, before.size, complete, message)
 
 
 @dataclass(frozen=True)
@@ -177,12 +186,9 @@ class _ModeRamp:
         return answer
 
 
-def _result(
-    ramp: _ModeRamp, levels: Sequence[_Level], first: int, reached: bool, message: str, ratio: float | None,
-    seconds: float,
-) -> QuasiStaticMode:  # fmt: skip
+def _result(ramp: _ModeRamp, levels: Sequence[_Level], first: int, reached: bool, message: str) -> QuasiStaticMode:
     """The labelled result of the levels from ``first`` on."""
-    stuck, linear = ramp.stuck, ramp.linear
+    stuck, linear, ratio = ramp.stuck, ramp.linear, ramp.stuck.origin[2]
     amplitude = np.array([level.amplitude for level in levels])
     # The force of the pairs in the mode beside their springs, whose work is that of the loop: the springs have none.
     released = np.array([level.deviation @ stuck.contact_modes[:, linear.load_mode] for level in levels])
@@ -209,7 +215,7 @@ def _result(
         message=message,
         warnings=_warnings(stuck.pairs, levels[first:]),
         settings={} if ratio is None else {"modal_damping_ratio": ratio},
-        provenance={"solve_seconds": f"{seconds:.2f}"},
+        provenance={},
     )
 
 

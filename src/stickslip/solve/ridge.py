@@ -37,7 +37,7 @@ def peak_ridge(
     newton: NewtonSettings | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> PeakRidge:
     """Follow the peaks of an output directly while a parameter changes.
 

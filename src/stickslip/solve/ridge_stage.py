@@ -22,7 +22,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
 # Measured on the two blades (700 unknowns n, 330 rows m of pairs): the modes of a structure, which take a time of n^3,
 # last as long as 20 iterations of Newton's method, which take n m.
@@ -73,6 +73,7 @@ class RidgeStage:
             *problem, 2.0 * math.pi * window[1], options.harmonics, options.samples, modal_damping_ratio,
             options.update, lambda words: None, None if earlier is None else earlier.balances.stuck,
         )  # fmt: skip
+        require_no_gyroscopic(balances.superelement, "a ridge of peaks")
         last = LastFactor() if earlier is None else earlier.search.last_factor
         limits = 2.0 * math.pi * window[0], 2.0 * math.pi * window[1]
         curve = BoundedCurve(balances.with_harmonics(options.harmonics), last, limits)

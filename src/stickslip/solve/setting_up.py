@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol, get_args
 
@@ -33,7 +33,9 @@ from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.support import only_friction_supports
 from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
+from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.landmarks import Landmark, LandmarkSource
+from stickslip.solve.stability.curve import CurveStability, curve_stability
 from stickslip.structure.superelement import Superelement
 
 # Largest ratio of contact stiffness to the stiffness of the structure at the pair. Numbers have 16 digits, and the
@@ -71,7 +73,8 @@ class CurveBalances(Protocol):
     """The balances of a frequency curve for any number of harmonics, with what its result says of the structure.
 
     :class:`Balances` are those of a structure, :class:`stickslip.solve.cyclic.balances.SectorBalances` those of a
-    sector of a disk.
+    sector of a disk. ``no_stability`` is the reason why their points have no stability, or empty. ``in_time`` is None
+    for equations whose solutions are not all motions of the structure, so that a time integration shows nothing.
     """
 
     @property
@@ -103,6 +106,11 @@ class CurveBalances(Protocol):
     def landmarks(self) -> Landmarks: ...
     def unbounded(self, window: tuple[float, float]) -> tuple[str, ...]: ...
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance: ...
+    @property
+    def no_stability(self) -> str: ...
+    def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability: ...
+    def in_time(self) -> MotionInTime | None: ...
+    def of_structure(self) -> Balances: ...
 
 
 @dataclass(frozen=True)
@@ -119,6 +127,14 @@ class Balances:
     modal_damping_ratio: float | None
 
     @property
+    def no_stability(self) -> str:
+        """Why points have no stability; empty if they have."""
+        if self.superelement.gyroscopic is None:
+            return ""
+        # The fast coordinates of the march over a period have no coupling by velocities (stability/march.py).
+        return "Stability was not computed: the superelement has a gyroscopic matrix, which multipliers do not contain."
+
+    @property
     def damped_harmonics(self) -> int | None:
         """Number of harmonics whose resonances have damping; None if that is no matter of their number."""
         return None if self.modal_damping_ratio is None else int(DAMPED_RANGE)
@@ -131,7 +147,7 @@ class Balances:
     @cached_property
     def free(self) -> LinearLimit:
         """The structure without contact."""
-        return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.damping)
+        return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.velocity_matrix)
 
     @property
     def is_damped(self) -> bool:
@@ -141,7 +157,7 @@ class Balances:
     @property
     def equation(self) -> EquationOfMotion:
         """The terms of the equation of motion."""
-        return StructureEquation(self.superelement, self.stuck.damping, self.pairs.operator)
+        return StructureEquation(self.superelement, self.stuck.velocity_matrix, self.pairs.operator)
 
     @property
     def shown_pairs(self) -> ContactPairs:
@@ -174,6 +190,19 @@ class Balances:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
         return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
+
+    def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability:
+        """See :func:`curve_stability`."""
+        return curve_stability(trials, pairs, self.stuck)
+
+    def in_time(self) -> MotionInTime:
+        """The motion in time of the structure, with the damping of the balances."""
+        matrices = replace(self.superelement, damping=self.stuck.damping, recovery=None)
+        return MotionInTime(matrices, self.pairs, self.force)
+
+    def of_structure(self) -> Balances:
+        """These balances, for analyses that require the matrices of a structure."""
+        return self
 
     def exact(self, harmonics: int, samples: int) -> Balance:
         """The balance whose Newton matrix contains all modes, as adjoint solutions require."""

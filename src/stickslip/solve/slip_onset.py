@@ -19,16 +19,19 @@ from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.law import ContactState
-from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import StickslipError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.peaks import Peak
+from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
-from stickslip.solve.harmonic.linear import LinearLimit
-from stickslip.solve.quasi_static_mode import quasi_static_mode
-from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
+from stickslip.solve.harmonic.linear import Limit, LinearLimit
+from stickslip.solve.linear_mode import LinearMode
+from stickslip.solve.quasi_static_mode import unreported_static_mode
+from stickslip.solve.setting_up import Balances, CurveBalances, StageReport, prepare_balances
+from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.superelement import Superelement
 
 # chosen: fraction of the pairs that count as nearly all; the last ones often stick at any force, where nothing moves.
@@ -81,20 +84,20 @@ def slip_onset(
     """
     row = finite_array("output", output)
     undamped = np.zeros_like(superelement.mass)
-    limits = (
-        LinearLimit.of_matrices(superelement.mass, stuck_stiffness_matrix(superelement, pairs), undamped),
-        LinearLimit.of_matrices(superelement.mass, superelement.stiffness, undamped),
-    )
-    window = _window(limits)
+    known = stuck_structure(superelement, pairs, 2.0 * math.pi * (highest_hz or 1.0), modal_damping_ratio)
+    stuck_stiffness = stuck_stiffness_matrix(superelement, pairs)
+    stuck_limit = LinearLimit.of_modes(known.circular_frequency, known.modes, stuck_stiffness, undamped)
+    free_limit = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, undamped)
+    window = _window((stuck_limit, free_limit))
     report = StageReport(None)
     harmonics = excitation.on(superelement, 1).harmonics
     balances = prepare_balances(
         superelement, pairs, excitation, 2.0 * math.pi * (highest_hz or window[1]), harmonics, _SAMPLES,
-        modal_damping_ratio, "tractrix", report.stage,
+        modal_damping_ratio, "tractrix", report.stage, known,
     )  # fmt: skip
     stuck, free = (
         next((each for each in limit.peaks(window, balances.force, row) if each.bracketed), None)
-        for limit in (balances.closed, balances.free)
+        for limit in (balances.closed, free_limit.with_damping(balances.stuck.damping))
     )
     if not balances.closed.damping_ratio(window):
         stuck, free = (each and replace(each, amplitude=math.inf) for each in (stuck, free))
@@ -109,25 +112,65 @@ def slip_onset(
     if not math.isfinite(last):
         return SlipOnset(stuck, free, first, None, "some pairs do not move at the stuck peak.")
     try:
-        nearly_all = _sustained(balances, limits[0], stuck, last, row)
+        nearly_all = _sustained(balances, stuck_limit, stuck, last, row)
     except StickslipError as error:
         return SlipOnset(stuck, free, first, None, str(error))
     trouble = "" if nearly_all else f"some pairs stick up to {HIGHEST_MOTION:g} times the motion of the lower estimate."
     return SlipOnset(stuck, free, first, nearly_all, trouble)
 
 
-def _window(limits: tuple[LinearLimit, LinearLimit]) -> tuple[float, float]:
+def sector_slip_onset(
+    sector: CyclicSector,
+    pairs: ContactPairs,
+    excitation: Excitation,
+    output: ArrayLike,
+    *,
+    modal_damping_ratio: float | None = None,
+    highest_hz: float | None = None,
+) -> SlipOnset:
+    """As :func:`slip_onset`, of an output (2n,) of a sector of a disk under a travelling wave.
+
+    The excitation at which nearly all pairs slip is not computed. Raises InputError.
+    """
+    row = finite_array("output", output)
+    highest = highest_hz or max(float(sector.natural_frequencies(each, MODES)[-1]) for each in sector.diameters)
+    given = CurveInput(
+        pairs,
+        excitation,
+        2.0 * math.pi * highest,
+        excitation.harmonics,
+        True,
+        _SAMPLES,
+        modal_damping_ratio,
+        "tractrix",
+    )
+    balances = curve_structure(sector).balances(given, StageReport(None).stage)
+    window = _window((balances.closed, balances.free))
+    stuck, free = (
+        next((each for each in limit.peaks(window, balances.force, row) if each.bracketed), None)
+        for limit in (balances.closed, balances.free)
+    )
+    if stuck is None:
+        return SlipOnset(stuck, free, None, None, "there is no stuck peak among the first modes.")
+    first = float(_slip_begins(balances, stuck).min(initial=math.inf))
+    if not math.isfinite(first):
+        return SlipOnset(stuck, free, None, None, "no pair with Coulomb friction moves at the stuck peak.")
+    trouble = "for a sector of a disk, the excitation at which nearly all pairs slip is not computed."
+    return SlipOnset(stuck, free, first, None, trouble)
+
+
+def _window(limits: tuple[Limit, Limit]) -> tuple[float, float]:
     """Hz, of the first modes with stuck contacts and without contact."""
     elastic = [each for limit in limits if (each := limit.natural_hz[~limit.rigid]).size]
     return BELOW * min(float(each[0]) for each in elastic), BEYOND * max(float(each[:MODES][-1]) for each in elastic)
 
 
-def _slip_begins(balances: Balances, peak: Peak) -> FloatArray:
+def _slip_begins(balances: CurveBalances, peak: Peak) -> FloatArray:
     """(n,) motion over that of a stuck peak at which each pair begins to slip; infinite for a pair that does not move.
 
     Coulomb pairs that are closed at rest count.
     """
-    pairs, omega = balances.pairs, 2.0 * math.pi * peak.frequency_hz
+    pairs, omega = balances.shown_pairs, 2.0 * math.pi * peak.frequency_hz
     motion = balances.closed.response_to(np.array([omega]), balances.force)[0]
     relative = (pairs.operator @ motion).reshape(pairs.n_pairs, 3, -1)
     counts = np.flatnonzero((pairs.normal_load > 0.0) & ~np.isnan(pairs.friction_coefficient))
@@ -156,11 +199,11 @@ def _sustained(
     shape = undamped.modes[:, moving[index]]
     force = balances.force.coefficients(2.0 * math.pi * peak.frequency_hz)[1:3] @ shape
     amplitude = motion * peak.amplitude / abs(float(output @ shape))
-    mode = quasi_static_mode(
-        balances.superelement, pairs, index + 1, (amplitude, HIGHEST_MOTION * amplitude),
-        points_per_decade=POINTS_PER_DECADE, modal_damping_ratio=balances.modal_damping_ratio,
-        raise_on_failure=CALLER_REPORTS,
-    )  # fmt: skip
+    linear = LinearMode.of(balances.superelement, pairs, index + 1, "stuck", undamped)
+    structure = stuck_structure(
+        balances.superelement, pairs, linear.omega, balances.modal_damping_ratio, balances.stuck
+    )
+    mode = unreported_static_mode(structure, linear, (amplitude, HIGHEST_MOTION * amplitude), POINTS_PER_DECADE)
     omega = 2.0 * np.pi * mode.frequency_hz
     sustained = 2.0 * mode.damping_ratio * omega**2 * mode.modal_amplitude / np.linalg.norm(force)
     counts = (pairs.normal_load > 0.0) & ~np.isnan(pairs.friction_coefficient)

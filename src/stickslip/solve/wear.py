@@ -51,6 +51,8 @@ from stickslip.structure.superelement import Superelement
 MOST_STATES = 300
 # chosen: range of the accuracy; below, sampled friction has no such digits.
 FINEST, COARSEST = 1e-5, 0.2
+# chosen: few states, because each takes the time of about two curves.
+DEFAULT_ACCURACY = 0.02
 # chosen: the first step wears this fraction of the largest closure at most.
 FIRST_WEAR = 0.1
 
@@ -65,7 +67,7 @@ def wear(
     energy_wear_coefficient: ArrayLike,
     cycles: float,
     frequency_hz: tuple[float, float] | float,
-    accuracy: float = 0.02,
+    accuracy: float = DEFAULT_ACCURACY,
     stiffness: WornStiffness | None = None,
     harmonics: int = 5,
     samples: int = 256,
@@ -74,7 +76,7 @@ def wear(
     newton: NewtonSettings | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> Wear:
     """Wear of the pairs over many cycles of vibration.
 
@@ -119,6 +121,22 @@ def wear(
         for inputs that cannot be used, pairs of other laws, pairs that keep tractions, and a joint that is open.
         ConvergenceError without a motion before the wear.
     """
+    result = unreported_wear(
+        superelement, pairs, excitation, output, area=area, energy_wear_coefficient=energy_wear_coefficient,
+        cycles=cycles, frequency_hz=frequency_hz, accuracy=accuracy, stiffness=stiffness, harmonics=harmonics,
+        samples=samples, modal_damping_ratio=modal_damping_ratio, update=update, newton=newton, threads=threads,
+        progress=progress,
+    )  # fmt: skip
+    return reported(result, raise_on_failure)
+
+
+def unreported_wear(
+    superelement: Superelement, pairs: ContactPairs, excitation: Excitation, output: ArrayLike, *, area: ArrayLike,
+    energy_wear_coefficient: ArrayLike, cycles: float, frequency_hz: tuple[float, float] | float, accuracy: float,
+    stiffness: WornStiffness | None, harmonics: int, samples: int, modal_damping_ratio: float | None, update: Update,
+    newton: NewtonSettings | None, threads: int | None, progress: ProgressCallback | None,
+) -> Wear:  # fmt: skip
+    """:func:`wear`, for a caller that reports a wear that ends early itself."""
     began = time.perf_counter()
     row, areas = finite_array("output", output), per_pair("area", area, pairs.n_pairs)
     require_positive("area", areas, "Depth is volume over area.")
@@ -141,7 +159,7 @@ def wear(
         vibration = WornVibration(joint, excitation, row, options, at, modal_damping_ratio, report)
         history = _worn(vibration, alpha / areas, count, tolerance, report)
     states = history.states
-    result = Wear(
+    return Wear(
         cycles=np.array(history.cycles),
         depth=np.array(history.depth),
         normal_load=np.array([np.maximum(each.pairs.preload, 0.0) for each in states]),
@@ -165,7 +183,6 @@ def wear(
         },
         provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"},
     )
-    return reported(result, raise_on_failure)
 
 
 def require_wearing_pairs(pairs: ContactPairs) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Material
-from stickslip.structure.mesh import Mesh
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import consistent_mass
 
 _CELLS_AT_ONCE = 2000  # chosen to bound the memory
@@ -38,11 +38,16 @@ def translation_inertia(mesh: Mesh, materials: Sequence[Material]) -> FloatArray
 def _inertia(mesh: Mesh, materials: Sequence[Material], field: FloatArray) -> FloatArray:
     """``M field`` of a field (n_nodes, k) with the consistent mass of all nodes."""
     load = np.zeros_like(field)
+    for cells, mass in cell_masses(mesh, materials):
+        np.add.at(load, cells, np.einsum("mij,mjx->mix", mass, field[cells]))
+    return load
+
+
+def cell_masses(mesh: Mesh, materials: Sequence[Material]) -> Iterator[tuple[IntArray, FloatArray]]:
+    """Cells (m, k) of one kind, not too many at a time, and their consistent masses (m, k, k) kg."""
     for block in mesh.blocks:
         density = np.array([material.density for material in materials])[block.body]
         for start in range(0, len(block.cells), _CELLS_AT_ONCE):
             part = slice(start, start + _CELLS_AT_ONCE)
             cells = block.cells[part]
-            mass = consistent_mass(mesh.points[cells], 1.0) * density[part, None, None]
-            np.add.at(load, cells, np.einsum("mij,mjx->mix", mass, field[cells]))
-    return load
+            yield cells, consistent_mass(mesh.points[cells], 1.0) * density[part, None, None]

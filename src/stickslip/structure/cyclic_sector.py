@@ -46,17 +46,17 @@ class PairsOfNodes(Protocol):
 @dataclass(frozen=True)
 class LaggedMatrices:
     """Dense Hermitian matrices (n, n) of a sector for one nodal diameter in SI units; real if its lag is 0 or half a
-    turn. ``damping`` may be None."""
+    turn. ``damping`` may be None; ``modes`` (n_interior, n_modes) are the fixed-interface modes of a reduction."""
 
     mass: Matrix
     stiffness: Matrix
     damping: Matrix | None = None
+    modes: Matrix | None = None
 
     def conjugate(self) -> LaggedMatrices:
         """The matrices of the wave that travels in the other direction."""
-        return LaggedMatrices(
-            self.mass.conj(), self.stiffness.conj(), None if self.damping is None else self.damping.conj()
-        )
+        damping, modes = (None if each is None else each.conj() for each in (self.damping, self.modes))
+        return LaggedMatrices(self.mass.conj(), self.stiffness.conj(), damping, modes)
 
 
 @dataclass(frozen=True)
@@ -164,19 +164,20 @@ class CyclicSector:
     def mass(self) -> FloatArray:
         """A cyclic sector has no single mass matrix: raises InputError, so that no analysis mistakes it for a
         structure."""
-        raise self._no_structure()
+        raise self.no_structure()
 
     @property
     def stiffness(self) -> FloatArray:
         """As :attr:`mass`."""
-        raise self._no_structure()
+        raise self.no_structure()
 
     @property
     def damping(self) -> FloatArray:
         """As :attr:`mass`."""
-        raise self._no_structure()
+        raise self.no_structure()
 
-    def _no_structure(self) -> InputError:
+    def no_structure(self) -> InputError:
+        """The error of an analysis that requires the matrices of a structure."""
         return InputError(
             "a cyclic sector has other matrices for each nodal diameter, and this analysis is not valid for it: only "
             "forced_response under Excitation.travelling_wave is. For other analyses give the full ring as a "
@@ -195,6 +196,10 @@ class CyclicSector:
             for diameter, each in self.diameters.items()
         }
         return replace(self, diameters=damped)
+
+    def without_modes(self) -> CyclicSector:
+        """Without the fixed-interface modes, which only the motion of the mesh requires."""
+        return replace(self, diameters={key: replace(each, modes=None) for key, each in self.diameters.items()})
 
     def lagged(self, waves: int) -> LaggedMatrices:
         """The matrices with the lag ``+2 pi waves / N`` to the next sector, for any whole number of waves.

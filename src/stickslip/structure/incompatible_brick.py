@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stickslip.core.validation import FloatArray
-from stickslip.structure.shapes import gauss_points, jacobians, shape_functions, strain_matrix
+from stickslip.structure.shapes import gauss_points, in_each_direction, jacobians, shape_functions, strain_matrix
 
 
 def incompatible_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray:
@@ -37,6 +37,22 @@ def incompatible_strain(cells: FloatArray, elastic: FloatArray, points: FloatArr
         yield strain[:, :, :24] + strain[:, :, 24:] @ amplitudes
 
 
+def incompatible_stress_stiffness(cells: FloatArray, elastic: FloatArray, stress: FloatArray) -> FloatArray:
+    """(m, 24, 24) N/m of bricks under the stress (m, 8, 3, 3) Pa at the points of the stiffness.
+
+    ``T^T (integral of grad N stress grad N^T dV) T`` with the functions N of nodes and bubbles, and T their amplitudes
+    for unit displacements of the nodes: to first order in the stress, so that it is proportional to it.
+    """
+    points, weights = gauss_points(2)
+    full = np.zeros((len(cells), 11, 11))
+    for at, (gradients, determinant) in enumerate(_gradients(cells, points)):
+        weighted = (weights[at] * determinant)[:, None, None] * stress[:, at]
+        full += gradients @ weighted @ gradients.swapaxes(1, 2)
+    amplitudes = _amplitudes(_full_stiffness(cells, elastic))
+    follows = np.concatenate([np.tile(np.eye(24), (len(cells), 1, 1)), amplitudes], axis=1)
+    return np.asarray(follows.swapaxes(1, 2) @ in_each_direction(full) @ follows)
+
+
 def _full_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray:
     """(m, 33, 33) N/m of the 24 displacements and the 9 amplitudes of the bubbles."""
     points, weights = gauss_points(2)
@@ -53,6 +69,12 @@ def _amplitudes(full: FloatArray) -> FloatArray:
 
 def _strains(cells: FloatArray, points: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
     """At each of the points (q, 3): strain matrix (m, 6, 33) of displacements and bubbles, and determinant (m,)."""
+    for gradients, determinant in _gradients(cells, points):
+        yield strain_matrix(gradients), determinant
+
+
+def _gradients(cells: FloatArray, points: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """At each of the points (q, 3): gradients (m, 11, 3) of the functions of nodes and bubbles, determinant (m,)."""
     _, gradients = shape_functions(8, points)
     _, centre_gradient = shape_functions(8, np.zeros((1, 3)))
     centre_jacobian, centre_determinant = jacobians(cells, centre_gradient[0])
@@ -62,4 +84,4 @@ def _strains(cells: FloatArray, points: FloatArray) -> Iterator[tuple[FloatArray
         compatible = gradient @ np.linalg.inv(jacobian).swapaxes(1, 2)
         ratio = (centre_determinant / determinant)[:, None, None]
         bubbles = ratio * (np.diag(-2.0 * point) @ centre_inverse)
-        yield strain_matrix(np.concatenate([compatible, bubbles], axis=1)), determinant
+        yield np.concatenate([compatible, bubbles], axis=1), determinant

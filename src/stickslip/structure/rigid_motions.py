@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 import scipy.sparse.csgraph
-import scipy.sparse.linalg
 
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cell_kinds import CORNERS_OF_SIDE, all_sides
+from stickslip.structure.factor import negative_pivots
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import connected_parts
 
@@ -146,11 +146,7 @@ def zero_motions(conditions: Any, n_regions: int) -> int:
 
 def _zero_eigenvalues(gram: Any) -> int:
     """Eigenvalues of a large sparse Gram matrix below the tolerance: negative pivots of the shifted one (Sylvester)."""
-    shifted = (gram - _RANK_TOLERANCE * scipy.sparse.identity(gram.shape[0])).tocsc()
-    # pivots from the diagonal alone keep rows and columns in one order, which the law of inertia needs
-    options = {"SymmetricMode": True}
-    factor = scipy.sparse.linalg.splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    return int((factor.U.diagonal() < 0.0).sum())
+    return negative_pivots(gram - _RANK_TOLERANCE * scipy.sparse.identity(gram.shape[0]))
 
 
 def rigid_fields(places: FloatArray, region: IntArray, centre: FloatArray, size: FloatArray) -> Any:

@@ -199,3 +199,25 @@ def consistent_mass(cells: FloatArray, density: float) -> FloatArray:
         _, determinant = jacobians(cells, gradient)
         mass += (density * weight * determinant)[:, None, None] * np.outer(value, value)
     return mass
+
+
+def in_each_direction(scalar: FloatArray) -> FloatArray:
+    """(m, 3k, 3k) matrices of displacements whose three directions have the same matrix (m, k, k) and do not couple."""
+    n_cells, size, _ = scalar.shape
+    return np.asarray(np.einsum("mij,ab->miajb", scalar, np.eye(3)).reshape(n_cells, 3 * size, 3 * size))
+
+
+def stress_stiffness(cells: FloatArray, stress: FloatArray) -> FloatArray:
+    """(m, 3k, 3k) N/m: ``integral of grad N stress grad N^T dV`` of cells (m, k, 3), the same for each direction.
+
+    ``stress`` (m, q, 3, 3) Pa is that at the points of :func:`stiffness_rule`. Source: K.-J. Bathe, Finite Element
+    Procedures, 2nd ed. (2014), sec. 6.3.4, K_NL of the total Lagrangian formulation.
+    """
+    n_nodes = cells.shape[1]
+    points, weights = stiffness_rule(n_nodes)
+    scalar = np.zeros((len(cells), n_nodes, n_nodes))
+    for at, gradient in enumerate(shape_functions(n_nodes, points)[1]):
+        jacobian, determinant = jacobians(cells, gradient)
+        slope = gradient @ np.linalg.inv(jacobian).swapaxes(1, 2)
+        scalar += slope @ ((weights[at] * determinant)[:, None, None] * stress[:, at]) @ slope.swapaxes(1, 2)
+    return in_each_direction(scalar)

@@ -65,7 +65,7 @@ def nodal_stress(structure: Structure, displacement: FloatArray) -> NodalStress:
     keys = [np.unique(block.body[:, None] * mesh.n_nodes + block.cells) for block in mesh.blocks]
     rows = np.unique(np.concatenate(keys))
     total, count = np.zeros((len(rows), 6, array.shape[1])), np.zeros(len(rows))
-    for cells, body in _groups(structure):
+    for cells, body in cell_groups(structure):
         n_nodes = cells.shape[1]
         points = stress_points(n_nodes)
         fit = nodal_fit(n_nodes)
@@ -133,7 +133,7 @@ def _strain(corners: FloatArray, elastic: FloatArray, points: FloatArray, incomp
         yield strain_matrix(gradient @ np.linalg.inv(jacobian).swapaxes(1, 2))
 
 
-def _groups(structure: Structure) -> Iterator[tuple[IntArray, int]]:
+def cell_groups(structure: Structure) -> Iterator[tuple[IntArray, int]]:
     """Cells (m, k) of one kind and one body, not too many at a time."""
     for block in structure.mesh.blocks:
         for body in np.unique(block.body):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, symmetric_matrix
+from stickslip.core.validation import FloatArray, finite_array, skew_matrix, symmetric_matrix
 
 # A mode is a body that moves freely if its strain energy is below this fraction of the energy of its displacements with
 # neighbours in opposite directions. Round-off is 1e-16 of it, and 1e-12 after a reduction; the lowest bending mode of a
@@ -22,7 +22,7 @@ ROUND_OFF_PART = 1e-8
 
 @dataclass(frozen=True)
 class Superelement:
-    """Dense matrices of ``M u'' + C u' + K u = p`` in SI units.
+    """Dense matrices of ``M u'' + (C + G) u' + K u = p`` in SI units.
 
     Parameters
     ----------
@@ -40,12 +40,17 @@ class Superelement:
         (n_boundary, 3) m of the boundary nodes, or None.
     node_sets:
         name -> boundary nodes, with the names of the program that made the matrices.
+    gyroscopic:
+        (n, n) N s/m, skew-symmetric: G of the Coriolis forces in a rotating frame, which do no work, or None. The
+        skew-symmetric part ``0.5 * (C - C.T)`` of a damping matrix without symmetry is such a matrix; its symmetric
+        part ``0.5 * (C + C.T)`` is ``damping``.
 
     Raises
     ------
     InputError
-        for a matrix that is not square, symmetric, finite, or not of the size of the mass matrix; for boundary nodes
-        that own more unknowns than there are or come twice, positions of another shape, and sets with other nodes.
+        for a matrix that is not square, symmetric (skew-symmetric), finite, or not of the size of the mass matrix; for
+        boundary nodes that own more unknowns than there are or come twice, positions of another shape, and
+        sets with other nodes.
     """
 
     mass: FloatArray
@@ -55,14 +60,15 @@ class Superelement:
     recovery: Any = None
     positions: FloatArray | None = None
     node_sets: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
+    gyroscopic: FloatArray | None = None
 
     def __post_init__(self) -> None:
         mass = symmetric_matrix("mass", self.mass)
-        for name in ("stiffness", "damping"):
+        for name in ("stiffness", "damping", "gyroscopic"):
             value = getattr(self, name)
             if value is None:
                 continue
-            matrix = symmetric_matrix(name, value)
+            matrix = (skew_matrix if name == "gyroscopic" else symmetric_matrix)(name, value)
             if matrix.shape != mass.shape:
                 raise InputError(
                     f"{name} has shape {matrix.shape}, but mass has shape {mass.shape}; all matrices of one "
@@ -77,7 +83,7 @@ class Superelement:
         nodes = self.boundary_nodes.size
         return (
             f"Superelement({self.size} unknowns: {nodes} boundary nodes and {self.size - 3 * nodes} other unknowns; "
-            f"{'no ' if self.damping is None else ''}damping matrix)"
+            f"{'no ' if self.damping is None else ''}damping matrix{'' if self.gyroscopic is None else ', gyroscopic'})"
         )
 
     def _require_nodes(self) -> None:
@@ -117,6 +123,15 @@ class Superelement:
         """Number of unknowns n."""
         return int(self.mass.shape[0])
 
+    @property
+    def velocity_matrix(self) -> FloatArray:
+        """(n, n) N s/m, the sum of the damping and the gyroscopic matrix; zero without both."""
+        total = np.zeros_like(self.mass)
+        for matrix in (self.damping, self.gyroscopic):
+            if matrix is not None:
+                total += matrix
+        return total
+
     def unknowns_of(self, node: int) -> NDArray[np.int64]:
         """The three unknowns (x, y, z) of a boundary node with this number in the mesh. Raises InputError."""
         position = np.flatnonzero(self.boundary_nodes == node)
@@ -131,6 +146,16 @@ class Superelement:
         row = np.zeros(self.size)
         row[self.unknowns_of(node)] = np.asarray(direction, dtype=float)
         return row
+
+
+def require_no_gyroscopic(superelement: Superelement, analysis: str) -> None:
+    """Raise InputError for a superelement with Coriolis forces, which an ``analysis`` or a format cannot contain."""
+    if superelement.gyroscopic is not None:
+        raise InputError(
+            f"superelement has a gyroscopic matrix (Coriolis forces), which {analysis} does not contain. Use "
+            "forced_response, or a superelement without it, such as that of at(speed_rpm, coriolis=False).",
+            arguments=["superelement"],
+        )
 
 
 def moves_freely(stiffness: Any, modes: FloatArray) -> NDArray[np.bool_]:

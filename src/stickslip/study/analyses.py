@@ -9,20 +9,19 @@ import numpy as np
 
 from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.case import Case
-from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import ConvergenceError, InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.forced import forced_response
+from stickslip.solve.forced import unreported_response
 from stickslip.solve.linear_mode import LinearMode, require_allowed_amplitude
-from stickslip.solve.nonlinear_mode import nonlinear_mode
+from stickslip.solve.nonlinear_mode import unreported_mode
 from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
-from stickslip.study.ridge import checked_range, ridge
+from stickslip.study.ridge import checked_range, unreported_ridge
 from stickslip.study.wear import wear_of_study, worn_faces
 
 # chosen: an output that moves less in a mode, over the largest unknown, is at a node of it.
@@ -72,8 +71,8 @@ def forced_curve(
         first_step=settings.first_step,
         max_points=most_points,
     )
-    response = forced_response(
-        model.superelement,
+    response = unreported_response(
+        model.substructure,
         model.pairs,
         model.excitation,
         frequency_hz=(settings.frequency_start, settings.frequency_stop),
@@ -89,7 +88,6 @@ def forced_curve(
         checks=checks,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
-        raise_on_failure=CALLER_REPORTS,
     )
     if not analysis.search:
         return response
@@ -127,7 +125,7 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
         require_allowed_amplitude(model.pairs, linear, analysis.largest_amplitude / shape, shape)
     response = forced_curve(case, model, listener, threads)
     try:
-        mode = nonlinear_mode(
+        mode = unreported_mode(
             model.superelement,
             model.pairs,
             analysis.mode,
@@ -140,8 +138,8 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             update=settings.update,
             newton=NewtonSettings(tolerance=settings.tolerance),
             threads=threads,
+            continuation=None,
             progress=lambda fraction, detail: listener.update("Nonlinear mode", fraction, detail),
-            raise_on_failure=CALLER_REPORTS,
         )
     except ConvergenceError as error:  # the response is a result without it
         return replace(response, warnings=(*response.warnings, f"The nonlinear mode was not computed: {error}"))
@@ -157,10 +155,7 @@ def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | N
     checked_range(case, analysis.over, limits, model.joint.layout)
     response = forced_curve(case, model, listener, threads)
     try:
-        peaks = ridge(
-            case, analysis.over, limits, harmonics=response.harmonics, model=model, progress=listener, threads=threads,
-            raise_on_failure=CALLER_REPORTS,
-        )  # fmt: skip
+        peaks = unreported_ridge(case, analysis.over, limits, response.harmonics, model, listener, threads)
     except ConvergenceError as error:  # the response is a result without it
         return replace(response, warnings=(*response.warnings, f"The ridge of peaks was not computed: {error}"))
     return replace(response, peak_ridge=peaks)

@@ -11,9 +11,12 @@ from stickslip.case.consistency import RANGE_KEYS
 from stickslip.case.load import has_range
 from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.threads import thread_count
-from stickslip.model.model import build_model, kind_of
+from stickslip.core.validation import FloatArray
+from stickslip.model.model import Model, build_model, kind_of
 from stickslip.results.measures import hertz
-from stickslip.solve.slip_onset import NEARLY_ALL, SlipOnset, slip_onset
+from stickslip.solve.slip_onset import NEARLY_ALL, SlipOnset, sector_slip_onset, slip_onset
+from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.study.assembled import Assembled
 
 # chosen: the range goes on by this fraction of the frequency beyond both linear peaks.
 BEYOND_PEAKS = 0.08
@@ -78,22 +81,20 @@ class Proposal:
         yield "to write them", '"stickslip new FILE --from STUDY"'
 
 
-def proposed_section(case: Case) -> tuple[str, list[tuple[str, str]]]:
+def proposed_section(case: Case, assembled: Assembled) -> tuple[str, list[tuple[str, str]]]:
     """The proposal as a section of ``stickslip check``. Raises InputError."""
-    return "A sensible study", list(propose(case).rows(case))
+    return "A sensible study", list(propose(case, assembled).rows(case))
 
 
-def propose(case: Case, threads: int | None = None) -> Proposal:
-    """The proposal for a case; builds and reduces its structure, which a run uses again. Raises InputError for a case
-    whose structure cannot be built."""
-    model = build_model(case, threads=thread_count(threads))
+def propose(case: Case, assembled: Assembled | None = None, threads: int | None = None) -> Proposal:
+    """The proposal for a case; builds its structure, unless it is given as ``assembled``, and reduces it; a run uses
+    the reduction again. Raises InputError for a case whose structure cannot be built."""
+    assembled = assembled or Assembled.of(case)
+    model = build_model(case, assembled.structure, assembled.joint, thread_count(threads))
     output = next(iter(model.outputs.values()))
     highest_hz = max(case.solver.frequency_start, case.solver.frequency_stop)
     try:
-        onset = slip_onset(
-            model.superelement, model.pairs, model.excitation, output,
-            modal_damping_ratio=case.damping.modal_damping_ratio, highest_hz=highest_hz if has_range(case) else None,
-        )  # fmt: skip
+        onset = _onset(case, model, output, highest_hz if has_range(case) else None)
     except StickslipError as error:
         return Proposal(None, str(error), None, None)
     peaks = [each.frequency_hz for each in (onset.stuck_peak, onset.free_peak) if each is not None]
@@ -102,6 +103,14 @@ def propose(case: Case, threads: int | None = None) -> Proposal:
         last = onset.nearly_all
         excitation = MANY_SLIP * onset.first if last is None else math.sqrt(onset.first * last[1])
     return Proposal(onset, onset.trouble, _range_around(peaks) if peaks else None, excitation)
+
+
+def _onset(case: Case, model: Model, output: FloatArray, highest_hz: float | None) -> SlipOnset:
+    """Linear peaks and the beginning of slip, of a structure or of a sector of a disk. Raises InputError."""
+    joint, ratio = (model.pairs, model.excitation, output), case.damping.modal_damping_ratio
+    if isinstance(model.substructure, CyclicSector):
+        return sector_slip_onset(model.substructure, *joint, modal_damping_ratio=ratio, highest_hz=highest_hz)
+    return slip_onset(model.superelement, *joint, modal_damping_ratio=ratio, highest_hz=highest_hz)
 
 
 def _range_around(peaks_hz: list[float]) -> tuple[float, float]:

@@ -146,7 +146,7 @@ def ridge(
     model: ReducedModel | None = None,
     progress: Progress | None = None,
     threads: int | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> PeakRidge:
     """Follow the peaks of the first output of a case while a key of its study file changes.
 
@@ -177,6 +177,14 @@ def ridge(
         for an unknown key, and values that the key or its law does not allow; StudyFileError if they contradict other
         keys. ConvergenceError if no peak can be followed.
     """
+    return reported(unreported_ridge(case, key, limits, harmonics, model, progress, threads), raise_on_failure)
+
+
+def unreported_ridge(
+    case: Case, key: str, limits: tuple[float | str, float | str], harmonics: int | None, model: ReducedModel | None,
+    progress: Progress | None, threads: int | None,
+) -> PeakRidge:  # fmt: skip
+    """:func:`ridge`, for a caller that reports a ridge that ends early itself."""
     listener, count = progress or SilentProgress(), thread_count(threads)
     layout = set_up(case).layout if model is None else model.joint.layout
     family, bounds = checked_range(case, key, limits, layout)
@@ -185,5 +193,4 @@ def ridge(
     stages = CaseStages(family, model, report, count, ridge_options(case, case.solver.tolerance, harmonics))
     name = next(iter(model.outputs))
     result = ridge_between(stages, bounds, report, count, key, family.quantity.si_unit, name)
-    result = replace(result, provenance={**result.provenance, **run_provenance()})
-    return reported(result, raise_on_failure)
+    return replace(result, provenance={**result.provenance, **run_provenance()})

@@ -21,6 +21,7 @@ from stickslip.results.measures import summary, summary_table
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
+from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
 from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
@@ -36,6 +37,7 @@ from stickslip.study.places import (
     require_places,
     require_space_for,
 )
+from stickslip.study.record import changed_inputs
 from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import least_complete, reported_model, solved
 from stickslip.study.stiffness_band import with_stiffness_band
@@ -58,22 +60,29 @@ def run(
     out_dir: str | PathLike[str],
     progress: Progress | None = None,
     threads: int | None = None,
-    raise_on_failure: bool | None = False,
+    raise_on_failure: bool = False,
 ) -> StudyOutcome:
     """Solve a case and write results.nc, report.html, single figures, and shapes for ParaView into ``out_dir``.
 
     An incomplete curve is written too; ``converged`` is then False, with a NotConvergedWarning, or with
-    ``raise_on_failure`` a ConvergenceError; None gives neither. ``threads`` None takes the environment variable
-    STICKSLIP_THREADS, or else the usable cores, at most 4. Raises InputError (geometry, roughness), OutputError
-    (folder, full disk), ConvergenceError (not even a first point), ResultsFileError.
+    ``raise_on_failure`` a ConvergenceError. ``threads`` None takes the environment variable STICKSLIP_THREADS, or else
+    the usable cores, at most 4. Raises InputError (geometry, roughness), OutputError (folder, full disk),
+    ConvergenceError (not even a first point), ResultsFileError.
     """
+    outcome = unreported_run(case, out_dir, progress, threads)
+    reported(least_complete(outcome.response), raise_on_failure)
+    return outcome
+
+
+def unreported_run(
+    case: Case, out_dir: str | PathLike[str], progress: Progress | None = None, threads: int | None = None
+) -> StudyOutcome:
+    """:func:`run`, for a caller that reports an incomplete curve itself."""
     out, count = Path(out_dir), thread_count(threads)
     require_places(out)
     # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.
     with threadpool_limits(limits=1), artist_of(Drawing(out / FIGURE_FOLDER, case)) as artist:
-        outcome = _run(case, out, progress or SilentProgress(), count, artist)
-    reported(least_complete(outcome.response), raise_on_failure)
-    return outcome
+        return _run(case, out, progress or SilentProgress(), count, artist)
 
 
 def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess | NoFigures) -> StudyOutcome:
@@ -120,18 +129,21 @@ def _page(out: Path, response: ForcedResponse, record: StudyRecord) -> Path:
     """Write the page."""
     from stickslip.reporting.page import write_page
 
-    write_page(out / REPORT_FILE, response, record)
+    write_page(out / REPORT_FILE, response, record, changed_inputs(record))
     return out / REPORT_FILE
 
 
 def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> Iterator[Path]:
-    """Mode shapes with the pairs closed at rest stuck, and one period of the mesh at the peak, for ParaView."""
+    """Mode shapes with the pairs closed at rest stuck, and one period of the mesh at the peak, for ParaView.
+
+    Of a disk it is one period of its first sector, without mode shapes.
+    """
     from stickslip.structure.export import write_deflected_period, write_mode_shapes
 
     if isinstance(model.structure, Superelement) or motion is None:
         return  # matrices without a mesh
     mesh, count = model.structure.mesh, case.output.mode_shapes
-    if count:
+    if count and isinstance(model.structure, Structure):
         springs = model.pairs.resting_stiffness()
         frequency_hz, modes = joined_modes(model.superelement, model.joint.face_pairs, count, springs)
         yield write_mode_shapes(out / MODES_FILE, mesh, modes, frequency_hz)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from stickslip.case.analysis import WearAnalysis
 from stickslip.case.case import Case
-from stickslip.core.completeness import CALLER_REPORTS
 from stickslip.core.errors import InputError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
@@ -16,7 +15,7 @@ from stickslip.model.worn_faces import RunningIn, WornFaces
 from stickslip.results.record import run_provenance
 from stickslip.results.wear import Wear
 from stickslip.solve.path.newton import NewtonSettings
-from stickslip.solve.wear import wear
+from stickslip.solve.wear import DEFAULT_ACCURACY, unreported_wear
 
 
 def worn_faces(case: Case, joint: Joint) -> WornFaces | None:
@@ -60,7 +59,7 @@ def wear_of_study(case: Case, model: ReducedModel, harmonics: int, progress: Pro
     analysis, settings, faces = case.analysis, case.solver, worn_faces(case, model.joint)
     assert isinstance(analysis, WearAnalysis)
     window = settings.frequency_start, settings.frequency_stop
-    result = wear(
+    result = unreported_wear(
         model.superelement,
         model.pairs,
         model.excitation,
@@ -69,6 +68,7 @@ def wear_of_study(case: Case, model: ReducedModel, harmonics: int, progress: Pro
         energy_wear_coefficient=energy_coefficients(analysis, model.joint),
         cycles=analysis.wear_cycles,
         frequency_hz=window if analysis.wear_frequency is None else analysis.wear_frequency,
+        accuracy=DEFAULT_ACCURACY,
         stiffness=None if faces is None else faces.stiffness,
         harmonics=harmonics,
         samples=settings.samples,
@@ -77,6 +77,5 @@ def wear_of_study(case: Case, model: ReducedModel, harmonics: int, progress: Pro
         newton=NewtonSettings(tolerance=settings.tolerance),
         threads=threads,
         progress=lambda fraction, detail: progress.update("Wear", fraction, detail),
-        raise_on_failure=CALLER_REPORTS,
     )
     return replace(result, provenance={**result.provenance, **run_provenance()})

@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from sentences import printed_sentence
 from stickslip.contact.stiffness.asperities import Roughness
 from stickslip.contact.stiffness.face_stiffness import persson_law
 from stickslip.contact.stiffness.height_spectrum import HeightSpectrum
@@ -114,7 +115,7 @@ def test_contact_becomes_complete() -> None:
     assert stiffness[2] > 100 * stiffness[1]
     assert np.isfinite(face.normal(np.array([1e16]))).all()
     (message,) = face.valid(pressure)
-    assert message.startswith("Complete contact")
+    printed_sentence(message)
 
 
 @settings(max_examples=20)
@@ -152,9 +153,9 @@ def test_tangential_ratios() -> None:
 def test_pressures_and_surfaces_outside_of_the_range() -> None:
     assert law(2.2, 100.0, 3e9).valid(np.array([1e6, 1e8])) == ()
     (flow,) = law(2.2, 100.0, 3e9, 1e-5).valid(np.array([1.5e9]))
-    assert flow.startswith("Bulk flow")
+    printed_sentence(flow)
     (steep,) = law(2.4, 1e4, None, 1e-4).valid(np.array([1e6]))
-    assert steep.startswith("Steep surface")
+    printed_sentence(steep)
 
 
 @cache

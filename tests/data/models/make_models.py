@@ -1,7 +1,8 @@
 """Makes the model files of this folder again: python tests/data/models/make_models.py (from the root of the project).
 
 The files that Gmsh itself writes need its Python module, which is no dependency of this project; without it they are
-left as they are.
+left as they are. cubes.vtk was written by hand; gmsh_1.msh is gmsh_2.2_text.msh with
+the lines of version 1.
 """
 
 import sys
@@ -12,9 +13,11 @@ import numpy as np
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1]))
 
+from archive_writer import write_cdb  # noqa: E402
 from model_writers import write_bdf, write_inp, write_meshio  # noqa: E402
 from solid_cells import CORNERS  # noqa: E402
 from stickslip.structure.mesh import Mesh  # noqa: E402
+from universal_writer import write_unv  # noqa: E402
 
 
 def two_cubes() -> Mesh:
@@ -73,6 +76,8 @@ if __name__ == "__main__":
     write_inp(HERE / "cubes.inp", two_cubes(), bodies, faces, "base")
     write_bdf(HERE / "cubes.bdf", two_cubes(), bodies, faces, "base", large=False)
     write_bdf(HERE / "cubes.nas", two_cubes(), bodies, faces, "base", large=True)
+    write_cdb(HERE / "cubes.cdb", two_cubes(), faces, "base")
+    write_unv(HERE / "cubes.unv", two_cubes(), bodies, faces)
     write_meshio(HERE / "cubes.vtu", two_cubes(), bodies, faces, "vtu")
     write_meshio(HERE / "cubes.med", two_cubes(), bodies, faces, "med")
     try:

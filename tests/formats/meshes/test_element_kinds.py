@@ -10,7 +10,7 @@ import pytest
 
 from calculix import COARSE, cut_bricks
 from model_writers import STEEL_MM, write_bdf, write_inp, write_meshio, write_parts
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
@@ -123,7 +123,7 @@ def test_faults_of_elements_are_found_in_every_format(tmp_path, make_block, form
     if fault in ("apart", "unmerged"):
         assert any(re.search(FAULTS[fault], words) for words in read_model(path, "mm").messages)
     elif (form, fault) == ("med", "inverted"):  # programs that write MED differ in the order of nodes
-        assert any("1 elements have the node order of MED" in words for words in read_model(path, "mm").messages)
+        printed_sentence("\n".join(read_model(path, "mm").messages), "MED")
     else:
         with rejects(ImportFileError):
             read_model(path, "mm")

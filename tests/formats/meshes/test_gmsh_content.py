@@ -1,10 +1,12 @@
 """What Gmsh itself writes beyond the common case is read, or refused with the option that helps."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from model_writers import write_meshio
 from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
@@ -36,6 +38,34 @@ def require_same_model(path, reference=PLAIN):
 @pytest.mark.parametrize("name", ["gmsh_4.1_all_text.msh", "gmsh_4.1_all_binary.msh"])
 def test_entities_without_a_group(name):
     require_same_model(MODELS / name)
+
+
+@pytest.mark.parametrize("quadratic", [False, True])
+def test_version_1(tmp_path, make_block, quadratic):
+    """The same bricks as in version 2.2; version 1 has numbers of groups in place of names."""
+    mesh = make_block((3, 2, 1), (0.06, 0.03, 0.01), 0.1)
+    mesh = replace(mesh, node_sets={"base": np.arange(24).reshape(4, 3, 2)[:, :, 0].ravel()})
+    mesh = mesh.quadratic() if quadratic else mesh
+    for form, file in (("gmsh22", "new.msh"), ("gmsh1", "old.msh")):
+        write_meshio(tmp_path / file, mesh, ["block"], ["base"], form)
+    new, old = (read_model(tmp_path / file, "mm").mesh for file in ("new.msh", "old.msh"))
+    assert (new.body_names, old.body_names) == (("block",), ("group 1",))
+    np.testing.assert_allclose(old.points, new.points, atol=1e-12)
+    np.testing.assert_array_equal(old.cells, new.cells)
+    np.testing.assert_array_equal(old.sides("group 2")[0], new.sides("base")[0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("$ENDNOD", "$ENDNODES"), ("$ENDELM", ""), (" 8 1 ", " 9 1 "), (" 8 1 ", " eight 1 ")]
+)
+def test_damaged_version_1(tmp_path, make_block, old, new):
+    mesh = make_block((1, 1, 1), (0.06, 0.03, 0.01), 0.0)
+    write_meshio(tmp_path / "old.msh", mesh, ["block"], [], "gmsh1")
+    text = (tmp_path / "old.msh").read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / "damaged.msh").write_text(text.replace(old, new), encoding="utf-8")
+    with rejects(ImportFileError):
+        read_model(tmp_path / "damaged.msh", "mm")
 
 
 def test_version_4_0(tmp_path):

@@ -11,6 +11,7 @@ from stickslip.structure.elasticity import Material, assemble, assemble_bodies, 
 from stickslip.structure.faces import face_geometry
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.model_facts import body_volumes
+from universal_writer import write_unv
 
 STEEL = Material(1e6 * STEEL_MM[0], STEEL_MM[1], 1e12 * STEEL_MM[2])
 BODIES = ["lower", "upper"]
@@ -21,6 +22,9 @@ WRITERS = {
     "large fields": ("model.nas", write_bdf, (True,)),
     "gmsh text": ("model.msh", write_meshio, ("gmsh22",)),
     "gmsh binary": ("model.msh", write_meshio, ("gmsh22b",)),
+    "universal": ("model.unv", write_unv, ()),
+    "vtk 5.1": ("model.vtk", write_meshio, ("vtk",)),
+    "vtk 4.2": ("model.vtk", write_meshio, ("vtk42",)),
     "vtu": ("model.vtu", write_meshio, ("vtu",)),
     "med": ("model.med", write_meshio, ("med",)),
 }
@@ -57,7 +61,7 @@ def test_a_model_comes_back(tmp_path, make_block, name, quadratic):
     mesh = two_bodies(make_block, quadratic)
     file, write, options = WRITERS[name]
     path = tmp_path / file
-    clamped = () if write is write_meshio else ("base",)
+    clamped = () if write in (write_meshio, write_unv) else ("base",)
     write(path, mesh, BODIES, ["contact", "opposite"], *clamped, *options)
     model = read_model(path, "mm")
 

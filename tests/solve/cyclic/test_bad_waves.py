@@ -15,6 +15,7 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.controlled import controlled_response
+from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import forced_response
 from stickslip.solve.nonlinear_mode import nonlinear_mode
@@ -107,13 +108,29 @@ def test_a_sector_without_damping() -> None:
 
 def test_contact_far_stiffer_than_the_disk() -> None:
     stiff = ContactPairs(DISK.operator, 1e15, 1e15, 0.3, normal_load=10.0)
-    with pytest.raises(InputError, match="more than 1e"):
+    with rejects(InputError):
         solve(pairs=stiff)
 
 
 def test_a_traction_band() -> None:
     with rejects(InputError, "traction_band"):
         solve(traction_band=np.ones(18))
+
+
+def test_balances_of_a_sector_are_none_of_a_structure() -> None:
+    given = CurveInput(DISK.pairs, WAVE, 600.0, 2, False, 64, None, "tractrix")
+    balances = curve_structure(DISK.sector).balances(given, lambda words: None)
+    assert balances.no_stability
+    assert balances.in_time() is None
+    with rejects(InputError, "superelement"):
+        balances.of_structure()
+    with rejects(InputError, "superelement"):
+        balances.stability([], DISK.pairs)
+
+
+def test_a_structure_of_another_type() -> None:
+    with rejects(InputError, "superelement"):
+        solve(DISK.mass)  # type: ignore[arg-type]
 
 
 def test_analyses_that_are_not_valid_for_a_sector() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sectors import OWN, SmallDisk
+from sentences import printed_sentence
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.solve.cyclic.balances import sector_balances
 from stickslip.solve.excitation import Excitation, TravellingWave
@@ -142,7 +143,7 @@ def test_unknowns_of_the_next_sector_are_those_of_this_one_later(curve: Any) -> 
 
 def test_the_stability_of_a_sector_is_not_known(curve: Any) -> None:
     assert curve.stable is None
-    assert "any nodal diameter" in curve.stability_message
+    printed_sentence(curve.stability_message)
 
 
 def test_a_force_on_the_next_sector_is_one_on_this_sector_earlier() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.solve.harmonic import unbounded
 from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.unbounded import sliding_shapes
@@ -24,6 +24,7 @@ RANGE = (0.8 * HERTZ, 2.0 * HERTZ)
 ROW = np.array([1.0, 0.0])
 # The warnings are of the range, before the curve, which takes seconds in each of these cases.
 FEW_POINTS = ss.ContinuationSettings(max_points=3)
+ends_early = pytest.mark.filterwarnings("ignore::stickslip.core.errors.NotConvergedWarning")
 
 
 def solve(
@@ -38,13 +39,8 @@ def solve(
     damping = np.diag([2.0 * ratio * OMEGA, 0.0])
     structure = ss.Superelement(np.eye(2), np.diag(stiffness), damping)
     pairs = ss.ContactPairs(np.array(operator), STIFF, STIFF, MU, LOAD)
-    settings = {"harmonics": 3, "samples": 256, "threads": 1, "raise_on_failure": None} | options
+    settings = {"harmonics": 3, "samples": 256, "threads": 1} | options
     return ss.forced_response(structure, pairs, [force, 0.0], frequency_hz=window, **settings)
-
-
-def sentence_of(response: ss.ForcedResponse, words: str) -> str:
-    (sentence,) = (each for each in response.warnings if words in each)
-    return sentence
 
 
 @pytest.mark.parametrize("excess", [1.001, 1.5, 1e3])
@@ -105,27 +101,29 @@ def test_the_height_in_a_warning_is_that_of_the_peak(ratio: float, monkeypatch: 
     monkeypatch.setattr(unbounded, "HARDLY_DAMPED", 0.1)
     response = solve(2.0 * HOLDS, ratio=ratio, samples=1024)
     assert response.converged, response.message
-    sentence = sentence_of(response, "Its peak is about")
+    (sentence,) = (each for each in response.warnings if f"{HOLDS:.4g} N" in each)
+    printed_sentence(sentence, f"{2.0 * HOLDS:.4g} N")
     height = float(re.findall(r"about ([\d.e+-]+) m", sentence)[0])
     assert height == pytest.approx(HOLDS / (2.0 * ratio * OMEGA**2), rel=2e-3)
     assert response.amplitude(ROW).max() == pytest.approx(height, rel=0.01)
-    assert f"{2.0 * HOLDS:.4g} N" in sentence
-    assert f"friction can hold {HOLDS:.4g} N" in sentence
 
 
+@ends_early
 def test_almost_no_damping_has_a_warning() -> None:
     response = solve(2.0 * HOLDS, ratio=1e-9, continuation=FEW_POINTS)
-    assert "damping ratio of only 1.0e-09" in sentence_of(response, "Its peak is about")
+    printed_sentence("\n".join(response.warnings), "1.0e-09")
 
 
+@ends_early
 def test_a_normal_load_that_can_vary_makes_it_a_warning() -> None:
     response = solve(1.5 * HOLDS, operator=[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]], continuation=FEW_POINTS)
-    assert f"friction can hold {HOLDS:.4g} N at the normal loads at rest" in sentence_of(response, "has no damping")
+    printed_sentence("\n".join(response.warnings), f"{HOLDS:.4g} N")
 
 
+@ends_early
 def test_a_mode_in_which_contacts_only_open_and_close_has_a_warning() -> None:
     response = solve(0.1, operator=[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]], continuation=FEW_POINTS)
-    assert f"({math.sqrt(OMEGA**2 + STIFF) / (2.0 * math.pi):.3f} Hz)" in sentence_of(response, "do not slide")
+    printed_sentence("\n".join(response.warnings), f"({math.sqrt(OMEGA**2 + STIFF) / (2.0 * math.pi):.3f} Hz)")
 
 
 @pytest.mark.slow
@@ -133,8 +131,9 @@ def test_a_body_that_only_friction_supports_slides_by_its_inertia() -> None:
     """Far above the limit the amplitude at the lowest frequency is (F - 4 mu N / pi) / (m w^2), but for the phase."""
     force, low = 50.0 * HOLDS, 5.0
     response = solve(force, ratio=0.0, window=(low, 20.0), stiffness=(0.0, 25.0 * OMEGA**2), samples=512)
-    sentence = sentence_of(response, "A body moves freely")
-    height = float(re.findall(r"about ([\d.e+-]+) m", sentence)[0])
+    words = "\n".join(response.warnings)
+    printed_sentence(words, numbers=False)
+    height = float(re.findall(r"about ([\d.e+-]+) m", words)[0])
     assert height == pytest.approx((force - HOLDS) / (2.0 * math.pi * low) ** 2, rel=2e-3)
     assert response.amplitude(ROW)[0] == pytest.approx(height, rel=0.03)
 
@@ -169,4 +168,4 @@ def test_a_motion_that_presses_nothing_but_for_round_off_slides() -> None:
         modal_damping_ratio=0.01, checks=False,
     )  # fmt: skip
     assert np.abs(response.displacement[:, place[6], 0]).max() < 1e-6
-    assert any(words.startswith("A body moves freely") for words in response.warnings)
+    printed_sentence("\n".join(response.warnings), numbers=False)

@@ -10,7 +10,7 @@ import pytest
 import scipy.optimize
 
 from helpers import Blade
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import harmonic_force
 from stickslip.contact.law.normal_law import PressureGapLaw, SpringLaw
@@ -190,7 +190,7 @@ def test_a_bent_path_takes_more_steps_and_reports_it(blade: Blade) -> None:
     law = PressureGapLaw.from_stiffness(np.full(pairs.n_pairs, 1e-6), lambda p: 1e9 * np.sqrt(p), 1e3, 1e9)
     state = static_preload(superelement, pairs, load, normal_law=law, steps=1)
     assert state.steps >= 4
-    assert "of the largest friction limit" in state.message
+    printed_sentence(state.message, numbers=False)
     with rejects(InputError, "steps"):
         static_preload(superelement, pairs, load, steps=2.5)  # type: ignore[arg-type]
 

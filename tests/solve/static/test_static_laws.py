@@ -9,7 +9,7 @@ import scipy.optimize
 
 import stickslip as ss
 from law_makers import coulomb, cubic, iwan, jenkins, stop
-from sentences import rejects
+from sentences import printed_sentence, rejects
 
 K = 1e6  # N/m of the structure in each direction
 STRUCTURE = ss.Superelement(np.eye(3), K * np.eye(3), 60.0 * np.eye(3))
@@ -32,7 +32,7 @@ def test_a_cubic_spring_finds_its_root(bend: float) -> None:
     assert state.normal_stiffness[0] == pytest.approx(2e5 + 3.0 * bend * root**2, rel=1e-8)
     about = state.about(pairs, keep_traction=True)
     assert about.resting_stiffness()[2] == pytest.approx(2e5 + 3.0 * bend * root**2, rel=1e-8)
-    assert state.message.endswith("cubic 1 elastic.")
+    printed_sentence(state.message, "cubic 1 elastic", numbers=False)
 
 
 @pytest.mark.parametrize("bend", [4e15, -1e15])
@@ -70,7 +70,7 @@ def test_an_elastic_stop_closes_under_load() -> None:
     after = ss.static_preload(STRUCTURE, pairs, 40.0 * ALONG_N)
     assert after.displacement[2] == pytest.approx((40.0 + 5e6 * 8e-6) / 6.1e6, rel=1e-9)
     assert after.about(pairs, keep_traction=True).resting_stiffness()[2] == pytest.approx(5.1e6)
-    assert after.message.endswith("elastic-stop 1 hits the stop.")
+    printed_sentence(after.message, "elastic-stop 1", numbers=False)
 
 
 def test_a_jenkins_joint_keeps_its_traction_or_is_released() -> None:
@@ -159,8 +159,7 @@ def test_a_mixed_joint_is_in_equilibrium_and_its_state_is_that_of_each_law() -> 
     about = state.about(pairs, keep_traction=True)
     assert about.resting_traction == pytest.approx(state.traction, abs=1e-9)
     assert about.normal_load == pytest.approx(force[:, 2], abs=1e-9)
-    assert state.message.startswith("Static state in")
-    assert "jenkins 1 stick-slip; iwan 1 microslip" in state.message
+    printed_sentence(state.message, "jenkins 1", "iwan 1", numbers=False)
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import scipy.sparse
@@ -14,6 +14,14 @@ from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.contact.law.friction_law import FrictionLaw
+from stickslip.contact.law.joined_laws import (
+    joined_cycle,
+    joined_hidden_springs,
+    joined_period,
+    joined_step,
+    joined_tangent,
+    joined_values,
+)
 from stickslip.contact.law.law import BoolArray, ContactCycle, ContactLaw, ContactState, IndexArray, LawPeriod, LawStep
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair
@@ -195,14 +203,7 @@ class ContactPairs:
 
     def collect(self, value: Callable[[ContactLaw], Any], shape: tuple[int, ...] = ()) -> FloatArray:
         """(n_pairs, *shape) a value of each pair's law; NaN where the law has none (None)."""
-        values = [value(law) for law in self.laws]
-        if len(values) == 1 and values[0] is not None:
-            return np.asarray(values[0])
-        result = np.full((self.n_pairs, *shape), np.nan)
-        for each, group in zip(values, self.members, strict=True):
-            if each is not None:
-                result[group] = each
-        return result
+        return joined_values(self.laws, self.members, value, shape)
 
     @property
     def normal_stiffness(self) -> FloatArray:
@@ -312,52 +313,19 @@ class ContactPairs:
 
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
         """Force over a period for coefficients (n_pairs, 3, 2H+1); see :class:`ContactLaw`."""
-        if len(self.laws) == 1:
-            return self.laws[0].period(coefficients, samples)
-        parts = [law.period(coefficients[group], samples) for law, group in zip(self.laws, self.members, strict=True)]
-        joined = {}
-        for name in ("force", "moves", "state", "closure"):
-            arrays = [getattr(part, name) for part in parts]
-            joined[name] = np.empty((self.n_pairs, *arrays[0].shape[1:]), dtype=arrays[0].dtype)
-            for array, group in zip(arrays, self.members, strict=True):
-                joined[name][group] = array
-        return LawPeriod(**joined, memory=parts)
+        return joined_period(self.laws, self.members, coefficients, samples)
 
     def tangent(self, coefficients: FloatArray, samples: int, select: IndexArray, period: LawPeriod) -> FloatArray:
         """Derivative (k, 3, 2H+1, 3, 2H+1) of the force of the pairs ``select``; see :class:`ContactLaw`."""
-        if len(self.laws) == 1:
-            return self.laws[0].tangent(coefficients, samples, select, period)
-        width = coefficients.shape[2]
-        result = np.empty((select.size, 3, width, 3, width))
-        for law, group, part in zip(self.laws, self.members, period.memory, strict=True):
-            chosen = np.flatnonzero(np.isin(select, group))
-            if chosen.size:
-                order = np.argsort(group)
-                inside = order[np.searchsorted(group, select[chosen], sorter=order)]
-                result[chosen] = law.tangent(coefficients[group], samples, inside, part)
-        return result
+        return joined_tangent(self.laws, self.members, coefficients, samples, select, period)
 
     def hidden_springs(self, period: LawPeriod) -> FloatArray:
         """(n_pairs, 3) N/m that act and are not among the resting springs."""
-        if len(self.laws) == 1:
-            return self.laws[0].hidden_springs(period)
-        result = np.empty((self.n_pairs, 3))
-        for law, group, part in zip(self.laws, self.members, period.memory, strict=True):
-            result[group] = law.hidden_springs(part)
-        return result
+        return joined_hidden_springs(self.laws, self.members, period)
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:
         """The periodic state under a motion (n_samples, n_pairs, 3) m."""
-        if len(self.laws) == 1:
-            return self.laws[0].cycle(displacement)
-        parts = [law.cycle(displacement[:, group]) for law, group in zip(self.laws, self.members, strict=True)]
-        joined = {}
-        for name, axis in (("force", 1), ("slider", 1), ("state", 0), ("dissipated_energy", 0), ("closure", 0)):
-            arrays = [getattr(part, name) for part in parts]
-            together = np.concatenate(arrays, axis=axis)
-            order = np.argsort(np.concatenate(self.members))
-            joined[name] = np.take(together, order, axis=axis)
-        return ContactCycle(**joined)
+        return joined_cycle(self.laws, self.members, displacement)
 
     def walking_cycle(self, displacement: FloatArray, walk: FloatArray | None) -> ContactCycle:
         """:meth:`cycle` of unknowns that go on by ``walk`` (n,) m in each cycle, with its motion and sliders without
@@ -375,28 +343,6 @@ class ContactPairs:
     def step(self, displacement: FloatArray, before: tuple[Any, ...]) -> LawStep:
         """The force after a step to displacements (n_pairs, 3) m; see :class:`ContactLaw`."""
         return joined_step(self.laws, self.members, displacement, before)
-
-
-class Stepping(Protocol):
-    """What gives forces step by step: a law, or pairs whose whole forces count."""
-
-    def step(self, displacement: FloatArray, before: Any) -> LawStep: ...
-
-
-def joined_step(
-    laws: Sequence[Stepping], members: Sequence[IndexArray], displacement: FloatArray, before: Sequence[Any]
-) -> LawStep:
-    """A step of all pairs, each group by its law; the memory is a tuple with that of each."""
-    if len(laws) == 1:
-        step = laws[0].step(displacement, before[0])
-        return replace(step, memory=(step.memory,))
-    n_pairs, memories = len(displacement), []
-    force, derivative, state = np.empty((n_pairs, 3)), np.empty((n_pairs, 3, 3)), np.empty(n_pairs, dtype=np.int8)
-    for law, group, memory in zip(laws, members, before, strict=True):
-        step = law.step(displacement[group], memory)
-        force[group], derivative[group], state[group] = step.force, step.derivative, step.state
-        memories.append(step.memory)
-    return LawStep(force, derivative, state, tuple(memories))
 
 
 def _checked_operator(operator: Any) -> FloatArray:

@@ -12,7 +12,7 @@ from stickslip.core.files import whole_file
 from stickslip.formats.matrices.model import OTHER, MatrixModel
 from stickslip.formats.matrices.source import errors_naming, numpy_arrays
 from stickslip.structure.mesh import IntArray
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
 FORMAT = "stickslip superelement"
 FORMAT_VERSION = 1  # raised when older code cannot read a new file
@@ -24,8 +24,10 @@ def write_superelement(path: str | PathLike[str], superelement: Superelement) ->
     """Write a superelement, its unknown map, positions and node sets to one ``.npz`` file, completely or not at all.
 
     ``path`` is the file, or a folder for ``superelement.npz``. The recovery is not stored: it belongs to the program
-    that has the full model. Raises ImportFileError where the file cannot be written.
+    that has the full model. Raises ImportFileError where the file cannot be written, and InputError for a superelement
+    with a gyroscopic matrix, which the format does not contain.
     """
+    require_no_gyroscopic(superelement, "the exchange format")
     target = Path(path)
     if target.is_dir():
         target = target / FILE_NAME

@@ -13,14 +13,16 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.formats.meshes.abaqus_assembly import flatten
+from stickslip.formats.meshes.abaqus_contact import ContactCards
 from stickslip.formats.meshes.abaqus_keywords import (
-    CONSTRAINED_DIRECTIONS,
     ELEMENT_TYPES,
     NOT_SOLID,
     OTHER_FORMULATIONS,
     REFUSED,
     SILENT,
 )
+from stickslip.formats.meshes.abaqus_loads import LoadCards
+from stickslip.formats.meshes.abaqus_materials import MaterialCards
 from stickslip.formats.meshes.abaqus_systems import SystemCards
 from stickslip.formats.meshes.abaqus_ties import TieCards
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
@@ -29,9 +31,6 @@ from stickslip.formats.meshes.keyword_deck import Card, read_cards
 from stickslip.formats.meshes.raw_model import (
     RawBlock,
     RawBody,
-    RawConstraint,
-    RawLoad,
-    RawMaterial,
     RawModel,
     RawSides,
 )
@@ -64,17 +63,16 @@ class _Reader:
         self._lines: list[int] = []
         self._names: dict[tuple[str, str], str] = {}  # kind of set and name in capitals -> name as first written
         self._pieces: dict[tuple[str, str], list[IntArray]] = {}
-        self._material = ""
         self._other_labels: list[int] = []
         self._blocks_named: list[tuple[str, str, IntArray, int]] = []  # instance, set, elements, line
-        self._sections: list[tuple[str, RawBody]] = []  # with their instance
+        self._sections: list[tuple[Card, RawBody]] = []
         self._skipped: dict[str, int] = {}
         self._reported: set[str] = set()  # element types with another formulation
-        self._step = 0
-        self._moved: list[int] = []  # lines of displacements other than 0
-        self._other_loads: list[int] = []  # lines of moments and other loads that act on no displacement
         self._systems = SystemCards(self.raw, self._find)
+        self._materials = MaterialCards(self.raw)
         self._ties = TieCards(self.raw, self._find)
+        self._contact = ContactCards(self.raw)
+        self._loads = LoadCards(self.raw, self._find)
         self._cards: dict[str, Callable[[Card], None]] = {
             "NODE": self._nodes,
             "ELEMENT": self._elements,
@@ -82,13 +80,11 @@ class _Reader:
             "ELSET": lambda card: self._set(card, "element", card.parameter("ELSET")),
             "SURFACE": self._surface,
             "SOLID SECTION": self._section,
-            "MATERIAL": self._new_material,
-            "ELASTIC": self._elastic,
-            "DENSITY": self._density,
-            "BOUNDARY": self._boundary,
-            "CLOAD": self._load,
+            **self._materials.cards,
             **self._systems.cards,
             **self._ties.cards,
+            **self._contact.cards,
+            **self._loads.cards,
         }
 
     def take(self, card: Card) -> None:
@@ -97,8 +93,6 @@ class _Reader:
             card.fail(f"{REFUSED[card.keyword]}.")
         if "INPUT" in card.parameters:
             card.fail("data in another file (INPUT=) are not read. Put them into this file, or use *INCLUDE.")
-        if card.keyword == "STEP":
-            self._step += 1
         if card.keyword in self._cards:
             self._cards[card.keyword](card)
         elif card.keyword not in SILENT:
@@ -119,20 +113,11 @@ class _Reader:
         raw.held, equations = basic_constraints(raw.held, frames)
         raw.loads = basic_loads(raw.loads, frames)
         self._ties.write(frames)
+        self._contact.write()
         raw.ties.equations += equations
-        raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
-        if self._step > 1:
-            raw.messages.append(f"the deck has {self._step} steps; constraints and forces are those of the first one.")
-        if self._moved:
-            raw.messages.append(
-                f"{len(self._moved)} lines of *BOUNDARY give displacements other than 0 (first in line "
-                f"{self._moved[0]}): stickslip uses the location only and sets them to 0."
-            )
-        if self._other_loads:
-            raw.messages.append(
-                f"{len(self._other_loads)} lines of *CLOAD and *BOUNDARY have directions above 3 of nodes without "
-                f"rotation, or above 6 (first in line {self._other_loads[0]}); they are ignored."
-            )
+        sections = [(card.instance, replace(body, axes=self._materials.axes(card))) for card, body in self._sections]
+        raw.bodies = _named_bodies(sections or self._bodies_of_blocks())
+        self._loads.report()
         if self._skipped:
             words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._skipped.items())
             raw.messages.append(f"ignored, without effect here: {words}.")
@@ -318,77 +303,7 @@ class _Reader:
         if ("element", name.upper()) not in self._names:
             card.fail(f"ELSET={name} is a number; a section requires the name of an element set. Give one.")
         body = RawBody(self._names["element", name.upper()], elements, material, card.line)
-        self._sections.append((card.instance, body))
-
-    def _new_material(self, card: Card) -> None:
-        self._material = card.parameter("NAME").upper()
-        if self._material in self.raw.materials:
-            card.fail(f"material '{self._material}' is defined twice.")
-        self.raw.materials[self._material] = RawMaterial(None, None, None, card.line)
-
-    def _constants(self, card: Card, count: int) -> list[float]:
-        """The first ``count`` numbers of a card of the current material."""
-        if not self._material:
-            card.fail("there is no *MATERIAL above.")
-        if not card.data or len(card.data[0][1]) < count:
-            card.fail(f"{count} numbers are required below.")
-        if len(card.data) > 1:
-            self.raw.messages.append(
-                f"line {card.line}: *{card.keyword} of '{self._material}' depends on temperature; stickslip uses its "
-                "first line only."
-            )
-        line, words = card.data[0]
-        return [card.number(word, line) for word in words[:count]]
-
-    def _elastic(self, card: Card) -> None:
-        kind = card.parameters.get("TYPE", "ISO").upper()
-        if kind not in ("ISO", "ISOTROPIC"):
-            card.fail(
-                f"TYPE={kind} is not read; isotropic materials are (two numbers: Young's modulus, Poisson's ratio)."
-            )
-        young, poisson = self._constants(card, 2)
-        before = self.raw.materials[self._material]
-        self.raw.materials[self._material] = RawMaterial(young, poisson, before.density, before.line)
-
-    def _density(self, card: Card) -> None:
-        (density,) = self._constants(card, 1)
-        before = self.raw.materials[self._material]
-        self.raw.materials[self._material] = RawMaterial(
-            before.young_modulus, before.poisson_ratio, density, before.line
-        )
-
-    def _boundary(self, card: Card) -> None:
-        if self._step > 1:
-            return
-        for line, words in card.data:
-            nodes = self._find(card, "node", words[0], line)
-            first = words[1].upper() if len(words) > 1 else ""
-            if first in CONSTRAINED_DIRECTIONS:
-                self.raw.held.append(RawConstraint(nodes, CONSTRAINED_DIRECTIONS[first], line))
-                continue
-            start = card.label(first, line)
-            stop = card.label(words[2], line) if len(words) > 2 and words[2] else start
-            if start > stop:
-                card.fail(f"directions {start} to {stop} are not valid; directions are 1 to 6.", line)
-            if start > 6:  # temperatures and other unknowns
-                self._other_loads.append(line)
-                continue
-            if len(words) > 3 and words[3] and card.number(words[3], line) != 0.0:
-                self._moved.append(line)
-            self.raw.held.append(RawConstraint(nodes, tuple(range(start - 1, min(stop, 6))), line))
-
-    def _load(self, card: Card) -> None:
-        if self._step > 1:
-            return
-        for line, words in card.data:
-            if len(words) < 3:
-                card.fail("a force is a node or node set, a direction and a value.", line)
-            direction = card.label(words[1], line)
-            nodes = self._find(card, "node", words[0], line)
-            if direction > 3:
-                self._other_loads.append(line)
-                continue
-            self.raw.loads.append(RawLoad(nodes, direction - 1, card.number(words[2], line), line))
+        self._sections.append((card, body))
 
 
 def _named_bodies(bodies: list[tuple[str, RawBody]]) -> list[RawBody]:

@@ -50,7 +50,6 @@ SILENT = {
     *(
         "HEADING",
         "PREPRINT",
-        "STEP",
         "END STEP",
         "STATIC",
         "FREQUENCY",

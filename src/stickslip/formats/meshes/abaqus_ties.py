@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from stickslip.core.validation import FloatArray
-from stickslip.formats.meshes.keyword_deck import Card
+from stickslip.formats.meshes.keyword_deck import Card, Find
 from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.formats.meshes.raw_ties import (
     RawDistributing,
@@ -23,8 +23,6 @@ from stickslip.formats.meshes.raw_ties import (
 )
 from stickslip.structure.cell_kinds import IntArray
 
-# The nodes of a card: its kind of set, a set or number, and the line.
-Find = Callable[[Card, str, str, int], IntArray]
 ALL = tuple(range(6))
 _POINTS = {"PIN": (0, 1, 2), "TIE": ALL}  # nodes with the same displacements, or rotations too
 _MANY = {"PLANE": (4, one_plane, 3), "STRAIGHT": (3, one_line, 2)}  # least nodes, conditions, nodes that define it

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.input_files import read_regular
+from stickslip.formats.meshes.gmsh_version_1 import as_version_2
 from stickslip.formats.meshes.raw_model import fail
 
 _LARGEST_TAG = 10_000_000  # meshio's table then takes 80 MB
@@ -39,6 +40,8 @@ def readable_content(source: Path) -> bytes:
     while comments := _COMMENTS.match(content, start):
         start = comments.end()
     content = content[start:]
+    if content.startswith(b"$NOD"):
+        content = as_version_2(source, content)
     words = content[: content.find(b"\n", content.find(b"\n") + 1) + 1].split()
     if (
         words[:1] != [b"$MeshFormat"]
@@ -49,7 +52,7 @@ def readable_content(source: Path) -> bytes:
             [b"1", b"8"],
         )
     ):
-        fail(source, "the first two lines are not those of a Gmsh file of version 2.2, 4.0 or 4.1.")
+        fail(source, "the first two lines are not those of a Gmsh file of version 1, 2.2, 4.0 or 4.1.")
     version, is_text = words[1], words[2] == b"0"
     content = content.replace(b"\r\n", b"\n") if is_text else content
     if b"$ParametricNodes\n" in content:

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.core.errors import ImportFileError
 from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.raw_contacts import RawContact
 from stickslip.formats.meshes.raw_model import LabelRange, shown_label
 from stickslip.structure.elasticity import Material
 from stickslip.structure.equations import Equations
@@ -37,6 +38,8 @@ class ImportedModel:
         (n_nodes, 3) N, the file's constant loads on nodes; zero where there is none.
     equations:
         ties, rigid bodies, couplings and equations of the file, None without any.
+    contacts:
+        contact pairs of the file between faces of the mesh; a study may take them over as joints.
     length_unit, unit_system:
         units of the numbers of the file.
     messages:
@@ -57,6 +60,7 @@ class ImportedModel:
     node_forces: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     label_ranges: tuple[LabelRange, ...] = ()
     equations: Equations | None = None
+    contacts: tuple[RawContact, ...] = ()
     messages: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 

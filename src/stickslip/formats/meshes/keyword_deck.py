@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
 
 from stickslip.formats.meshes.included_files import IncludedFiles
-from stickslip.formats.meshes.raw_model import LARGEST_LABEL, fail, read_text
+from stickslip.formats.meshes.raw_model import fail, read_text
+from stickslip.formats.meshes.words import as_label, as_number
+from stickslip.structure.cell_kinds import IntArray
 
 
 @dataclass
@@ -39,23 +41,15 @@ class Card:
 
     def label(self, word: str, line: int) -> int:
         """A node or element number; raises ImportFileError for anything else."""
-        try:
-            value = int(word)
-        except ValueError:
-            self.fail(f'"{word[:40]}" is not a node or element number.', line)
-        if not 0 < value < LARGEST_LABEL:
-            self.fail(f"{word[:40]} is not a node or element number; numbers are 1 to {LARGEST_LABEL - 1}.", line)
-        return value
+        return as_label(self.fail, word, line)
 
     def number(self, word: str, line: int) -> float:
         """A finite number; raises ImportFileError for anything else."""
-        try:
-            value = float(word.upper().replace("D", "E"))
-        except ValueError:
-            self.fail(f'"{word[:40]}" is no number.', line)
-        if not math.isfinite(value) or "_" in word:
-            self.fail(f'"{word[:40]}" is no finite number.', line)
-        return value
+        return as_number(self.fail, word, line)
+
+
+# Labels of nodes or elements of a card: its kind of set, a set or number, and the line.
+Find = Callable[[Card, str, str, int], IntArray]
 
 
 def read_cards(source: Path, included: IncludedFiles) -> list[Card]:

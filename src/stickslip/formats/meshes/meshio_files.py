@@ -1,8 +1,8 @@
-"""Gmsh .msh (2.2, 4.0, 4.1, text and binary), VTU and MED through meshio, with their groups as bodies and sets.
+"""Gmsh .msh (1, 2.2, 4.0, 4.1), VTU, legacy VTK and MED through meshio, with their groups as bodies and sets.
 
 Groups of solid cells are bodies if none overlap (a solid in no group is then rejected), else element sets. Groups of
-surface cells are face sets, groups of lines and points node sets. In a .vtu a group is an array of 0 and 1, of cells or
-of points, and the integer cell array ``body`` numbers the bodies.
+surface cells are face sets, groups of lines and points node sets. In a .vtu or .vtk a group is an array of 0 and 1, of
+cells or of points, and the integer cell array ``body`` numbers the bodies.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import tempfile
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,7 @@ _MIRRORED = {
     "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
     "hexahedron20": [0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17],
 }
+_VTK_LINE = 1000  # bytes of a line of a VTK header, which has at most 256
 Members = list[NDArray[np.bool_]]  # of each block of cells
 
 
@@ -66,21 +67,39 @@ def read_gmsh(source: Path) -> RawModel:
 
 def read_vtu(source: Path) -> RawModel:
     """The entries of a VTU file: cell array ``body``, and arrays of 0 and 1 as sets."""
-    mesh = _parsed(source, "vtu")
+    return _raw_of_arrays(source, "VTU", _parsed(source, "vtu"))
+
+
+def read_vtk(source: Path) -> RawModel:
+    """The entries of a legacy VTK file with an unstructured grid, as those of a VTU file."""
+    mesh = _parsed(source, "vtk")
+    # SCALARS have a second dimension, also with one value for each point or cell
+    mesh.point_data = {name: _one_value(array) for name, array in mesh.point_data.items()}
+    mesh.cell_data = {name: [_one_value(array) for array in arrays] for name, arrays in mesh.cell_data.items()}
+    return _raw_of_arrays(source, "VTK", mesh)
+
+
+def _one_value(array: NDArray[Any]) -> NDArray[Any]:
+    return array[:, 0] if array.ndim == 2 and array.shape[1] == 1 else array
+
+
+def _raw_of_arrays(source: Path, form: str, mesh: Any) -> RawModel:
+    """The raw model whose groups are arrays of a VTK file."""
     groups: dict[str, Members] = {}
     for name, arrays in mesh.cell_data.items():
         if not arrays or any(array.ndim != 1 for array in arrays):
             continue  # vectors and tensors of a result
         if name == "body":
-            for number in np.unique(np.concatenate([_whole(source, name, array) for array in arrays])):
+            in_solids = [(block.type in CELL_KINDS) & np.ones(len(block.data), dtype=bool) for block in mesh.cells]
+            numbers = [_whole(source, name, array)[solid] for array, solid in zip(arrays, in_solids, strict=True)]
+            for number in np.unique(np.concatenate(numbers)):
                 groups[f"body {number}"] = [
-                    np.array((block.type in CELL_KINDS) & (array == number))
-                    for block, array in zip(mesh.cells, arrays, strict=True)
+                    np.array(solid & (array == number)) for array, solid in zip(arrays, in_solids, strict=True)
                 ]
         elif _is_flag(np.concatenate(arrays)):
             groups[name] = [array.astype(bool) for array in arrays]
     nodes = {name: np.flatnonzero(array) for name, array in mesh.point_data.items() if _is_flag(array)}
-    return _raw(source, "VTU", mesh, groups, nodes)
+    return _raw(source, form, mesh, groups, nodes)
 
 
 def read_med(source: Path) -> RawModel:
@@ -146,6 +165,8 @@ def _bounded(source: Path, kind: str) -> Iterator[None]:
         return
     with open_regular(source) as stream:
         count = UnpackedCount(source, os.fstat(stream.fileno()).st_size)
+        if kind == "vtk":
+            _require_unstructured(source, stream)
     if kind != "vtu":
         yield
         return
@@ -157,6 +178,23 @@ def _bounded(source: Path, kind: str) -> Iterator[None]:
         yield
     finally:
         _vtu.zlib, _vtu.lzma = zlib, lzma
+
+
+def _require_unstructured(source: Path, stream: BinaryIO) -> None:
+    """Raise ImportFileError for another VTK data set: meshio would make points and cells that no limit bounds."""
+    if not stream.readline(_VTK_LINE).startswith(b"# vtk DataFile Version"):
+        fail(source, "its first line is not that of a legacy VTK file. Write it again, for example as .vtu.")
+    stream.readline(_VTK_LINE)  # title
+    stream.readline(_VTK_LINE)  # ASCII or BINARY
+    words: list[bytes] = []
+    while not words and (line := stream.readline(_VTK_LINE)):
+        words = line.split()
+    if [word.upper() for word in words] != [b"DATASET", b"UNSTRUCTURED_GRID"]:
+        fail(
+            source,
+            f'it begins with "{line[:40].decode("ascii", "replace").strip()}"; stickslip reads DATASET '
+            "UNSTRUCTURED_GRID with solid cells. Write the model as an unstructured grid.",
+        )
 
 
 class _Unpacker:

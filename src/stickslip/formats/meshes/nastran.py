@@ -19,8 +19,10 @@ import numpy as np
 from stickslip.formats.meshes.bulk_data import BulkCard, read_bulk
 from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.nastran_case import CaseControl, active_entries
+from stickslip.formats.meshes.nastran_contact import Elements, NastranContact
 from stickslip.formats.meshes.nastran_grids import Grids, constrained_nodes
 from stickslip.formats.meshes.nastran_include import join_files
+from stickslip.formats.meshes.nastran_materials import AnisotropicMaterials
 from stickslip.formats.meshes.nastran_systems import SYSTEM_CARDS, Systems
 from stickslip.formats.meshes.nastran_ties import NastranTies
 from stickslip.formats.meshes.raw_model import (
@@ -115,6 +117,8 @@ class _Reader:
         self._elements: dict[str, list[tuple[int, int, list[int], int]]] = {}  # kind -> label, property, nodes, line
         self._solids: dict[int, tuple[str, list[int]]] = {}
         self._shells: dict[tuple[int, int], list[tuple[list[int], int]]] = {}  # property, corners -> nodes, line
+        self._shell_corners: dict[int, list[int]] = {}
+        self._of_property: dict[int, list[int]] = {}  # elements, also shells
         self._properties: dict[int, BulkCard] = {}
         self._pressures: list[BulkCard] = []
         self._forces: list[BulkCard] = []
@@ -124,6 +128,8 @@ class _Reader:
         self._skipped: dict[str, int] = {}
         self._moved: list[int] = []  # lines of displacements other than 0
         self._ties = NastranTies()
+        self._contact = NastranContact()
+        self._other_materials = AnisotropicMaterials(self.raw)
         self._cards: dict[str, Callable[[BulkCard], None]] = {
             "GRID": self._grids.add,
             "GRDSET": self._grids.set_defaults,
@@ -132,6 +138,7 @@ class _Reader:
             "LOAD": self._combination,
             "PSOLID": self._solid_property,
             "MAT1": self._material,
+            **self._other_materials.cards,
             "SPC": self._spc,
             "SPC1": self._spc1,
             "FORCE": self._forces.append,
@@ -141,6 +148,7 @@ class _Reader:
             **dict.fromkeys(_SOLIDS, self._solid),
             **dict.fromkeys(_SHELLS, self._shell),
             **self._ties.cards,
+            **self._contact.cards,
         }
 
     def take(self, card: BulkCard) -> None:
@@ -171,6 +179,7 @@ class _Reader:
         frames = self._grids.frames(raw, self._systems)
         raw.held, raw.ties.equations = self._grids.in_basic_directions(raw, constrained, frames)
         self._ties.write(raw, self._case, {label: rows for label, (rows, _) in frames.items()})
+        self._contact.write(raw, Elements(self._solids, self._shell_corners, self._of_property))
         raw.messages += _frame_messages(raw, list(frames))
         if self._moved:
             raw.messages.append(
@@ -202,7 +211,9 @@ class _Reader:
                     f"element {mine[0][0]} has the property {number}, but there is no such PSOLID.", mine[0][3]
                 )
             elements = np.array([row[0] for row in mine], dtype=np.int64)
-            self.raw.bodies.append(RawBody(self._name(number), elements, str(card.integer(1)), card.line))
+            material = str(card.integer(1))
+            axes = self._other_materials.axes(card, material, self._systems)
+            self.raw.bodies.append(RawBody(self._name(number), elements, material, card.line, axes))
 
     def _name(self, number: int) -> str:
         """Name of a property; where two have the same name, the number is added."""
@@ -259,11 +270,15 @@ class _Reader:
         label = card.integer(0)
         self._elements.setdefault(kind, []).append((label, card.integer(1, label), nodes, card.line))
         self._solids[label] = kind, nodes
+        self._of_property.setdefault(card.integer(1, label), []).append(label)
 
     def _shell(self, card: BulkCard) -> None:
         count = _SHELLS[card.name]
         nodes = [card.integer(2 + at) for at in range(count)]
-        self._shells.setdefault((card.integer(1, card.integer(0)), count), []).append((nodes, card.line))
+        label = card.integer(0)
+        self._shells.setdefault((card.integer(1, label), count), []).append((nodes, card.line))
+        self._shell_corners[label] = nodes
+        self._of_property.setdefault(card.integer(1, label), []).append(label)
 
     def _solid_property(self, card: BulkCard) -> None:
         number = card.integer(0)
@@ -282,7 +297,7 @@ class _Reader:
         name = str(card.integer(0))
         if name in self.raw.materials:
             card.fail(f"material {name} is defined twice.")
-        self.raw.materials[name] = RawMaterial(young, poisson, density, card.line)
+        self.raw.materials[name] = RawMaterial.of_constants(young, poisson, density, card.line)
 
     def _constrain(self, card: BulkCard, directions: str, nodes: list[int]) -> None:
         self._constraints.setdefault(card.integer(0), []).append(constrained_nodes(card, directions, nodes))

@@ -8,9 +8,11 @@ from pathlib import Path
 
 from stickslip.core.registry import Registry
 from stickslip.formats.meshes.abaqus import read_abaqus
+from stickslip.formats.meshes.ansys import read_ansys
 from stickslip.formats.meshes.build import build_model
+from stickslip.formats.meshes.ideas import read_ideas
 from stickslip.formats.meshes.imported_model import ImportedModel
-from stickslip.formats.meshes.meshio_files import read_gmsh, read_med, read_vtu
+from stickslip.formats.meshes.meshio_files import read_gmsh, read_med, read_vtk, read_vtu
 from stickslip.formats.meshes.nastran import read_nastran
 from stickslip.formats.meshes.raw_model import RawModel, fail
 from stickslip.formats.meshes.unit_systems import find_unit_system
@@ -30,8 +32,11 @@ _FORMATS: Registry[RawModel] = Registry(
     {
         "inp": read_abaqus,
         **dict.fromkeys(("bdf", "nas", "dat", "fem"), read_nastran),
+        "cdb": _alone(read_ansys),
+        "unv": _alone(read_ideas),
         "msh": _alone(read_gmsh),
         "vtu": _alone(read_vtu),
+        "vtk": _alone(read_vtk),
         "med": _alone(read_med),
     },
 )
@@ -43,7 +48,7 @@ _ADVICE = {
         "It contains a shape without solid elements: mesh it first, for example with Gmsh, and give the .msh file",
     ),
     **dict.fromkeys(
-        (".odb", ".cae", ".op2", ".rst", ".db", ".cdb", ".frd", ".mph", ".hm", ".k", ".xdmf", ".vtk"),
+        (".odb", ".cae", ".op2", ".rst", ".db", ".frd", ".mph", ".hm", ".k", ".xdmf"),
         "Export the model as .inp, .bdf or .vtu from the program that wrote it",
     ),
     **dict.fromkeys(
@@ -55,9 +60,14 @@ _ADVICE = {
 
 
 def read_model(
-    path: str | PathLike[str], length_unit: str, unit_system: str | None = None, includes_outside: bool = False
+    path: str | PathLike[str],
+    length_unit: str,
+    unit_system: str | None = None,
+    includes_outside: bool = False,
+    temperature: float | None = None,
 ) -> ImportedModel:
-    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .msh (Gmsh), .vtu, .med.
+    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .cdb (Ansys), .unv
+    (I-DEAS), .msh (Gmsh), .vtu, .vtk, .med.
 
     Other packages add formats through entry points of the group ``stickslip.model_formats`` (docs/extending.md).
 
@@ -70,6 +80,8 @@ def read_model(
         seconds with metric lengths (mm: MPa and t/mm3), pounds-force and seconds with inches and feet.
     includes_outside:
         whether a deck may include files outside of its folder, for trusted decks.
+    temperature:
+        temperature of the material constants, in the unit of the file; by default the first row of their tables.
 
     Raises
     ------
@@ -79,7 +91,12 @@ def read_model(
         for a unit or system that does not exist or does not fit.
     """
     units = find_unit_system(length_unit, unit_system)
-    return build_model(read_raw(path, includes_outside), units)
+    return build_model(read_raw(path, includes_outside), units, temperature)
+
+
+def is_model_file(path: str | PathLike[str]) -> bool:
+    """Whether the name of a file has the ending of a model format."""
+    return Path(path).suffix.lower().removeprefix(".") in _FORMATS.names()
 
 
 def read_raw(path: str | PathLike[str], includes_outside: bool = False) -> RawModel:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar, NoReturn
 
 import numpy as np
 
@@ -81,6 +82,10 @@ class SectorBalances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
+    no_stability: ClassVar[str] = (
+        "The stability of the points is not known: a small disturbance of a disk may have any nodal diameter, but the "
+        "equations of a sector contain only those of the excitation."
+    )
 
     @property
     def pairs(self) -> ContactPairs:
@@ -152,6 +157,17 @@ class SectorBalances:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
         return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
+
+    def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> NoReturn:
+        """A sector has none, see :attr:`no_stability`: raises InputError."""
+        raise self.stuck.sector.no_structure()
+
+    def in_time(self) -> None:
+        """None: the equations of a sector contain no other motion than waves."""
+
+    def of_structure(self) -> NoReturn:
+        """A sector has no single matrices: raises InputError."""
+        raise self.stuck.sector.no_structure()
 
 
 def sector_balances(

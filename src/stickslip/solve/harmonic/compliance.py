@@ -85,6 +85,7 @@ class Compliance:
     def excited(self, by: SelfExcitation) -> Compliance:
         """The compliance under a self-excitation."""
         changed = copy(self)
+        changed.__dict__.pop("_transposed_gain", None)  # it belongs to the gain without self-excitation
         changed.gain = self.gain.excited(by)
         return changed
 
@@ -123,11 +124,11 @@ class Compliance:
     def adjoint_amplitude(self, omega: float, weights: FloatArray) -> FloatArray:
         """Derivative (2H, n) of ``sum(weights * amplitude)`` by the modal forces, for weights (2H, n).
 
-        The gains are complex symmetric: the sines change sign twice, as in :meth:`NewtonCompliance.apply_transposed`.
+        The adjoint of a gain is the conjugate one of the transposed matrices: the sines change sign twice.
         """
         flipped = weights.copy()
         flipped[1::2] *= -1.0
-        modal = self.gain.answer(omega, flipped)
+        modal = self._transposed_gain.answer(omega, flipped)
         modal[1::2] *= -1.0
         return modal
 
@@ -156,6 +157,10 @@ class Compliance:
         """A for the Newton matrix at ``omega``, for deviations on ``columns``."""
         return self._modes.newton(self._mean_contact, columns, self.gain.near(omega))
 
+    @cached_property
+    def _transposed_gain(self) -> ModalGain:
+        return self.gain.transposed()
+
     @property
     def _shared(self) -> SharedModes:
         """Modes that all harmonics share; analyses of an output do not accept others."""
@@ -172,7 +177,7 @@ class StuckStructure:
     mean_restraint: float
     circular_frequency: FloatArray  # (n,) rad/s, ascending
     modes: FloatArray  # (n, n), mass-normalised
-    modal_damping: FloatArray  # (n,) if the modes diagonalise the damping, else (n, n)
+    modal_damping: FloatArray  # (n,) if the modes diagonalise it, else (n, n); with the gyroscopic matrix, if any
     highest_omega: float  # rad/s
     origin: (
         Origin  # superelement, highest circular frequency, and damping ratio of the modes, that it was computed from
@@ -183,7 +188,7 @@ class StuckStructure:
         own = self.pairs
         return (
             self.origin[0] is origin[0]
-            and self.origin[1:] == origin[1:]
+            and self.origin[2] == origin[2]
             and np.array_equal(own.operator, pairs.operator)
             and np.array_equal(own.resting_stiffness(), pairs.resting_stiffness())
             and np.array_equal(restrained(own), restrained(pairs))
@@ -191,11 +196,19 @@ class StuckStructure:
 
     @cached_property
     def damping(self) -> FloatArray:
-        """(n, n) N s/m, also with modal damping ratios."""
+        """(n, n) N s/m, symmetric, also with modal damping ratios."""
         superelement, _, ratio = self.origin
         if ratio is not None:
-            return modal_damping_matrix(superelement.mass, self.modes, self.modal_damping)
+            modal = self.modal_damping  # Coriolis forces have no diagonal
+            diagonal = modal if modal.ndim == 1 else np.diag(modal)
+            return modal_damping_matrix(superelement.mass, self.modes, diagonal)
         return np.zeros(self.modes.shape) if superelement.damping is None else superelement.damping
+
+    @property
+    def velocity_matrix(self) -> FloatArray:
+        """(n, n) N s/m, the damping and the gyroscopic matrix."""
+        gyroscopic = self.origin[0].gyroscopic
+        return self.damping if gyroscopic is None else self.damping + gyroscopic
 
     @cached_property
     def contact_modes(self) -> FloatArray:
@@ -227,19 +240,25 @@ def stuck_structure(
 
     ``modal_damping_ratio`` gives the stuck modes one ratio (see :func:`stickslip.solve.harmonic.damping.modal_damping`;
     ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
-    A ``known`` structure gives its modes and static response if they are the same. Raises InputError for an operator of
-    another size, for both kinds of damping at once, or a singular structure.
+    A ``known`` structure, also for another highest excitation, gives its modes and static response if they are the
+    same. Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
     """
     n = superelement.size
     require_one_size(superelement, pairs)
     origin = superelement, highest_omega, modal_damping_ratio
     if known is not None and known.is_of(origin, pairs):
-        return replace(known, pairs=pairs)
+        known = replace(known, pairs=pairs, highest_omega=highest_omega, origin=origin)
+        if modal_damping_ratio is None:
+            return known
+        damping = modal_damping(known.circular_frequency, modal_damping_ratio, highest_omega)
+        return replace(known, modal_damping=damping)
     if modal_damping_ratio is not None and superelement.damping is not None:
         raise InputError(
             "give either a damping matrix in the superelement or modal_damping_ratio, not both.",
             arguments=["modal_damping_ratio"],
         )
+    if superelement.gyroscopic is not None:
+        require_stable_without_contact(superelement)
     require_support_at_rest(superelement, pairs)
     mean, restraint = mean_factor(superelement, pairs)
     frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
@@ -252,7 +271,19 @@ def stuck_structure(
         modal = diagonal_modal_damping(superelement.damping, modes)
         if modal is None:
             modal = modes.T @ superelement.damping @ modes
+    if superelement.gyroscopic is not None:
+        modal = (np.diag(modal) if modal.ndim == 1 else modal) + modes.T @ superelement.gyroscopic @ modes
     return StuckStructure(pairs, mean, restraint, frequency, modes, modal, highest_omega, origin)
+
+
+def require_stable_without_contact(superelement: Superelement) -> None:
+    """Raise InputError for Coriolis forces on a structure whose stiffness without contact is not positive definite."""
+    if StaticFactor.of_matrix(superelement.stiffness) is None:
+        raise InputError(
+            "superelement has a gyroscopic matrix, but its stiffness without contact is not positive definite: a body "
+            "moves freely, or spin softening exceeds the stiffness. Constrain each body, or give a lower speed.",
+            arguments=["superelement"],
+        )
 
 
 def require_one_size(superelement: Superelement, pairs: ContactPairs) -> None:

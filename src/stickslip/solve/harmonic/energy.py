@@ -59,7 +59,8 @@ class EquationOfMotion(Protocol):
 
 @dataclass(frozen=True)
 class StructureEquation:
-    """The equation of a structure, with its damping matrix (n, n) and the operator (m, n) of its pairs."""
+    """The equation of a structure, with the matrix (n, n) of its velocities, damping and Coriolis forces, and the
+    operator (m, n) of its pairs."""
 
     superelement: Superelement
     damping: FloatArray
@@ -75,7 +76,7 @@ class StructureEquation:
 
     def viscous_term(self, displacement: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""
-        return _product(displacement, self.damping)
+        return _product(displacement, self.damping.T)
 
     def joint_force(self, contact: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""
@@ -89,7 +90,7 @@ class StructureEquation:
 
 
 def _product(displacement: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Rows times a symmetric matrix, as one product."""
+    """Rows times a matrix, as one product."""
     return np.asarray((displacement.reshape(-1, displacement.shape[-1]) @ matrix).reshape(displacement.shape))
 
 

@@ -23,6 +23,7 @@ ComplexArray = NDArray[np.complex128]
 # COUPLING_ITERATIONS without it the matrix is factored.
 COUPLING_TOLERANCE = 1e-13
 COUPLING_ITERATIONS = 60
+NO_CORIOLIS = 1e-12  # chosen: a smaller skew-symmetric part of the damping, over its largest entry, is round-off
 
 
 def to_complex(coefficients: FloatArray) -> ComplexArray:
@@ -43,6 +44,12 @@ def coupled(matrix: NDArray[Any], amplitudes: ComplexArray) -> ComplexArray:
     if matrix.ndim == 2:
         return np.asarray(amplitudes @ matrix.T)
     return np.asarray(np.matmul(matrix, amplitudes[:, :, None])[:, :, 0])
+
+
+def has_coriolis(damping: NDArray[Any]) -> bool:
+    """Whether modal damping (..., n, n) has a skew-Hermitian part, beyond round-off: that of Coriolis forces."""
+    skew = np.abs(damping - damping.conj().swapaxes(-1, -2)).max(initial=0.0)
+    return bool(skew > NO_CORIOLIS * np.abs(damping).max(initial=0.0))
 
 
 def times_gain(gain: ComplexArray, coefficients: FloatArray) -> FloatArray:
@@ -120,6 +127,9 @@ class ModalGain(Protocol):
     def excited(self, by: SelfExcitation) -> Self:
         """The gain under a self-excitation."""
 
+    def transposed(self) -> Self:
+        """The gain of the transposed matrices: the same but for Coriolis forces, which change their sign."""
+
     def answer(self, omega: float, force: FloatArray) -> FloatArray:
         """Modal amplitudes (2H, n) under modal forces (2H, n)."""
 
@@ -169,6 +179,9 @@ class DiagonalGain(_ModeGain):
         self._damping = damping
         self._cached: tuple[float, ComplexArray] | None = None
 
+    def transposed(self) -> Self:
+        return self
+
     def _gain(self, omega: float) -> ComplexArray:
         """(H, n) gains; those of the last frequency are cached."""
         if self._cached is None or self._cached[0] != omega:
@@ -199,7 +212,8 @@ class DiagonalGain(_ModeGain):
 class CoupledGain(_ModeGain):
     """Damping ``C`` (n, n) that couples the modes, or a Hermitian one (H, n, n) of each harmonic.
 
-    The lowest modes are solved together, the others by an iteration over their coupling: above the excitation their
+    A matrix (n, n) need not be symmetric: its skew-symmetric part are Coriolis forces, which do no work. The lowest
+    modes are solved together, the others by an iteration over their coupling: above the excitation their
     damping is a small part of their stiffness. Where the iteration does not converge the whole system is factored.
     """
 
@@ -214,6 +228,13 @@ class CoupledGain(_ModeGain):
         self._far_coupling[..., :near_modes, :near_modes] = 0.0
         self._order = np.arange(1, harmonics + 1)[:, None]
         self._cached: tuple[float, ComplexArray, ComplexArray] | None = None
+
+    def transposed(self) -> Self:
+        changed = copy(self)
+        for name in ("_damping", "_coupling", "_far_coupling"):
+            setattr(changed, name, getattr(self, name).swapaxes(-1, -2))
+        changed._cached = None  # it belongs to the other matrices
+        return changed
 
     def _inner(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Inverse (H, p, p) of the near block and gains (H, n - p) of the far diagonal; those of the last frequency are

@@ -77,14 +77,13 @@ class NewtonCompliance:
         return answer
 
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
-        """A^T @ weights: (2H+1, k) from (2H+1, m). Each A_h is complex symmetric: the sines change sign twice."""
-        flipped = weights.copy()
-        flipped[2::2] *= -1.0
+        """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
         answer = np.empty((weights.shape[0], self.far.shape[0]))
-        answer[0] = self.mean @ flipped[0]
-        near = times_gain(self.gain, flipped[1:] @ self.left)
-        answer[1:] = flipped[1:] @ self.far.T + near @ self.right.T
-        answer[2::2] *= -1.0
+        answer[0] = self.mean @ weights[0]
+        near = times_gain(
+            self.gain.conj().swapaxes(-1, -2) if self.gain.ndim == 3 else self.gain.conj(), weights[1:] @ self.left
+        )
+        answer[1:] = weights[1:] @ self.far.T + near @ self.right.T
         return answer
 
     def block(self, order: int, rows: IndexArray) -> ComplexArray:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.linalg
@@ -14,11 +15,14 @@ from stickslip.results.peaks import Peak, peaks
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.damping import modal_basis
-from stickslip.solve.harmonic.gain import ComplexArray, to_complex
+from stickslip.solve.harmonic.gain import ComplexArray, has_coriolis, to_complex
+from stickslip.structure.gyroscopic import gyroscopic_modes
 from stickslip.structure.superelement import moves_freely
 
 LEAST_SHARE = 1e-8  # chosen: a smaller modal force, over the largest one, is round-off
 ON_RESONANCE = 1e-6  # chosen: the linear curves have no point nearer to a natural frequency, relative to it
+# chosen: Coriolis forces couple this number of the lowest modes in natural frequencies; the response has all modes
+WHIRLING_MODES = 150
 POSSIBLY_RIGID = 1e-4  # chosen: slower modes, over the highest frequency, are tested for strain
 
 
@@ -36,8 +40,55 @@ class Limit(Protocol):
     def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
         """Largest modal damping ratio inside a window; None without modes there."""
 
+    def peaks(self, window_hz: tuple[float, float], force: ExcitationForce, output: FloatArray) -> list[Peak]:
+        """The peaks of an output in a window, highest first; not bracketed at an end."""
+
     def response_to(self, omega: FloatArray, force: ExcitationForce) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is zero."""
+
+
+@dataclass(frozen=True)
+class Resonant:
+    """Natural frequencies, and the motions in them: the modes, or whirling ones if Coriolis forces couple these.
+
+    Attributes
+    ----------
+    circular_frequency:
+        (n,) rad/s, ascending.
+    shapes:
+        (n, n), one in each column; complex if they whirl, and scaled as :func:`gyroscopic_modes` says.
+    half_power_width:
+        (n,) rad/s between the points of half the power around each natural frequency.
+    """
+
+    circular_frequency: FloatArray
+    shapes: NDArray[Any]
+    half_power_width: FloatArray
+
+    @classmethod
+    def of(cls, circular_frequency: FloatArray, modes: NDArray[Any], modal_damping: NDArray[Any]) -> Resonant:
+        """From modes (n, n), and the damping with Coriolis forces in them, see :class:`LinearLimit`."""
+        if modal_damping.ndim == 1:
+            return cls(circular_frequency, modes, modal_damping)
+        diagonal = np.diag(modal_damping).real.copy()
+        if not has_coriolis(modal_damping):
+            return cls(circular_frequency, modes, diagonal)
+        whirling = 0.5 * (modal_damping - modal_damping.conj().T)
+        near = slice(0, WHIRLING_MODES)
+        frequency, turns = gyroscopic_modes(circular_frequency[near], whirling[near, near])
+        own = (modal_damping - whirling)[near, near]
+        width = np.einsum("ij,ij->j", turns.conj(), own @ turns).real
+        frequency, width = (
+            np.append(frequency, circular_frequency[WHIRLING_MODES:]),
+            np.append(width, diagonal[WHIRLING_MODES:]),
+        )
+        order = np.argsort(frequency, kind="stable")
+        shapes = np.hstack([modes[:, near] @ turns, modes[:, WHIRLING_MODES:]])
+        return cls(frequency[order], shapes[:, order], width[order])
+
+    def damping_ratio(self, chosen: Any) -> FloatArray:
+        """Width over twice the frequency of the chosen ones, which must be above 0."""
+        return np.asarray(self.half_power_width[chosen] / (2.0 * self.circular_frequency[chosen]))
 
 
 class LinearLimit:
@@ -45,7 +96,8 @@ class LinearLimit:
 
     Matrices and modes may be complex and Hermitian; :meth:`modal` and the frequencies are then those of a harmonic.
 
-    ``C`` may couple the modes: with the projected ``C = D + O`` (diagonal and rest) the modal amplitudes solve ``(w^2 -
+    ``C`` may couple the modes, and need not be symmetric: with Coriolis forces the natural frequencies and motions are
+    those of ``resonant``. With the projected ``C = D + O`` (diagonal and rest) the modal amplitudes solve ``(w^2 -
     x^2 + i x D) q = f - i x O q``, iterated to 1e-10; where the iteration does not converge the full complex system is
     solved.
     """
@@ -68,11 +120,18 @@ class LinearLimit:
         else:
             self._diagonal = np.diag(modal_damping).real.copy()
             self._coupling = modal_damping - np.diag(self._diagonal)
+        self.resonant = Resonant.of(circular_frequency, modes, modal_damping)
 
     @classmethod
     def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
         """The limit of a structure given by its matrices (n, n)."""
-        circular_frequency, modes = modal_basis(mass, stiffness)
+        return cls.of_modes(*modal_basis(mass, stiffness), stiffness, damping)
+
+    @classmethod
+    def of_modes(
+        cls, circular_frequency: FloatArray, modes: FloatArray, stiffness: FloatArray, damping: FloatArray
+    ) -> LinearLimit:
+        """The limit of a structure whose mass-normalised modes (n, n) are known."""
         # The round-off of a frequency of zero is far below this fraction of the highest one.
         slow = circular_frequency <= POSSIBLY_RIGID * circular_frequency.max()
         rigid = np.zeros(slow.size, dtype=bool)
@@ -82,16 +141,16 @@ class LinearLimit:
     @property
     def natural_hz(self) -> FloatArray:
         """(n,) natural frequencies."""
-        return self.circular_frequency / (2.0 * np.pi)
+        return self.resonant.circular_frequency / (2.0 * np.pi)
 
-    @property
-    def half_power_width(self) -> FloatArray:
-        """(n,) rad/s between the points of half the power around each natural frequency."""
-        return self._diagonal
+    def with_damping(self, damping: FloatArray) -> LinearLimit:
+        """The same modes with another damping matrix (n, n)."""
+        modal = self.modes.conj().T @ damping @ self.modes
+        return LinearLimit(self.circular_frequency, self.modes, modal, self.rigid)
 
     def moved_by(self, force: ExcitationForce) -> NDArray[np.bool_]:
-        """(H, n) whether a harmonic of the force moves a mode, beyond round-off."""
-        shares = np.abs(sum(np.abs(array[1:] @ self.modes) for _, array in force.terms))
+        """(H, n) whether a harmonic of the force moves a mode (of ``resonant``), beyond round-off."""
+        shares = np.abs(sum(np.abs(array[1:] @ self.resonant.shapes) for _, array in force.terms))
         return np.asarray(np.maximum(shares[0::2], shares[1::2]) > LEAST_SHARE * shares.max())
 
     def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
@@ -100,7 +159,7 @@ class LinearLimit:
         inside = (self.natural_hz >= low) & (self.natural_hz <= high)
         if not inside.any():
             return None
-        return float((self._diagonal[inside] / (2.0 * self.circular_frequency[inside])).max())
+        return float(self.resonant.damping_ratio(inside).max())
 
     def response_to(self, omega: FloatArray, force: ExcitationForce) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is zero."""
@@ -124,7 +183,7 @@ class LinearLimit:
 
     def peaks(self, window_hz: tuple[float, float], force: ExcitationForce, output: FloatArray) -> list[Peak]:
         """The peaks of an output in a window, highest first; not bracketed at an end."""
-        frequency_hz = _refined_grid(window_hz, self.natural_hz)
+        frequency_hz = refined_grid(window_hz, self.natural_hz)
         signal = self.output_to(2.0 * np.pi * frequency_hz, force, output)
         return peaks(frequency_hz, periodic_amplitude(signal))
 
@@ -166,7 +225,7 @@ def linear_curves(
 ) -> LinearCurves:
     """Stuck and free response to ``force`` over the window, refined around their natural frequencies."""
     natural_hz = np.concatenate([stuck.natural_hz, free.natural_hz])
-    frequency_hz = _refined_grid(window_hz, natural_hz)
+    frequency_hz = refined_grid(window_hz, natural_hz)
     # Not a resonance itself, also of a higher harmonic: without damping the response has no bound there.
     resonances_hz = np.divide.outer(natural_hz, np.arange(1, force.harmonics + 1)).ravel()
     low, high = min(window_hz), max(window_hz)
@@ -184,7 +243,7 @@ def linear_curves(
     )
 
 
-def _refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
+def refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
     """A uniform grid with extra points, denser towards each natural frequency inside the window."""
     low, high = min(window_hz), max(window_hz)
     offsets = np.concatenate([-np.geomspace(2e-2, 2e-5, 18), np.geomspace(2e-5, 2e-2, 18)])

@@ -91,18 +91,18 @@ class Resonances:
         springs = self._structure.pairs.resting_stiffness().ravel()[rows]
         shapes = self._shapes[rows]
         squares, turns = scipy.linalg.eigh(self._squares - (shapes.conj().T * springs) @ shapes, check_finite=False)
-        modal = np.einsum("ij,ij->j", turns.conj(), self._damping @ turns).real
+        modal = turns.conj().T @ self._damping @ turns
         modes = self._structure.modes @ (self._basis @ turns)
         limit = LinearLimit(np.sqrt(np.maximum(squares, 0.0)), modes, modal)
         return self._landmarks(limit)
 
     def _landmarks(self, limit: LinearLimit) -> list[Landmark]:
         """The resonances that the force excites, up to a little beyond the range: every step looks through them."""
-        orders, modes = np.nonzero(limit.moved_by(self._force) & (limit.circular_frequency > 0.0))
+        orders, modes = np.nonzero(limit.moved_by(self._force) & (limit.resonant.circular_frequency > 0.0))
         answer = []
         for order, mode in zip(1 + orders, modes, strict=True):
-            omega = float(limit.circular_frequency[mode])
-            width, least = float(limit.half_power_width[mode]), LEAST_WIDTH * omega
+            omega = float(limit.resonant.circular_frequency[mode])
+            width, least = float(limit.resonant.half_power_width[mode]), LEAST_WIDTH * omega
             if width < least:
                 width, omega = least, omega + BESIDE * least
             if omega <= order * BEYOND * self._structure.highest_omega:

@@ -46,7 +46,12 @@ class StaticFactor:
     @classmethod
     def attempt(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor | None:
         """As :meth:`build`, or None where the structure is singular to working accuracy."""
-        matrix = superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator)
+        return cls.of_matrix(superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator))
+
+    @classmethod
+    def of_matrix(cls, stiffness: FloatArray) -> StaticFactor | None:
+        """The factor of a stiffness (n, n), or None if it is not positive definite to working accuracy."""
+        matrix = stiffness.copy()
         scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
         matrix *= scale
         matrix *= scale[:, None]

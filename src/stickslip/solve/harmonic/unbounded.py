@@ -16,8 +16,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.friction_law import FrictionLaw
@@ -55,8 +57,8 @@ class Grip:
     load_varies: bool
 
 
-def grip_of(pairs: ContactPairs, shape: FloatArray) -> Grip:
-    """The grip on a motion (n,) whose largest displacement is 1."""
+def grip_of(pairs: ContactPairs, shape: NDArray[Any]) -> Grip:
+    """The grip on a motion (n,) whose largest displacement is 1; a complex one whirls."""
     motion = np.abs(pairs.operator @ shape).reshape(-1, 3)
     motion[motion < NO_MOTION] = 0.0
     presses = np.abs(pairs.operator.reshape(pairs.n_pairs, 3, -1)[:, 2]).max(axis=1) > 0.0
@@ -95,28 +97,29 @@ def unbounded_motions(
 
 def nearly_undamped(limit: LinearLimit, force: ExcitationForce, low: float, high: float) -> list[tuple[int, int]]:
     """(order, mode) of the nearly undamped modes that a harmonic of the force excites in the range (rad/s)."""
-    orders, modes = np.nonzero(limit.moved_by(force) & ~limit.rigid & (limit.circular_frequency > 0.0))
+    orders, modes = np.nonzero(limit.moved_by(force) & ~limit.rigid & (limit.resonant.circular_frequency > 0.0))
     return [
         (int(order), int(mode))
         for order, mode in zip(1 + orders, modes, strict=True)
-        if low <= limit.circular_frequency[mode] / order <= high and _ratio(limit, int(mode)) <= HARDLY_DAMPED
+        if low <= limit.resonant.circular_frequency[mode] / order <= high and _ratio(limit, int(mode)) <= HARDLY_DAMPED
     ]
 
 
 def _ratio(limit: LinearLimit, mode: int) -> float:
-    return float(limit.half_power_width[mode] / (2.0 * limit.circular_frequency[mode]))
+    return float(limit.resonant.damping_ratio(mode))
 
 
-def _shape(limit: LinearLimit, mode: int) -> tuple[FloatArray, float]:
-    """The mode with a largest displacement of 1, and its modal mass in kg."""
-    size = float(np.abs(limit.modes[:, mode]).max())
-    return limit.modes[:, mode] / size, size**-2
+def _shape(limit: LinearLimit, mode: int) -> tuple[NDArray[Any], float]:
+    """The mode, complex if it whirls, with a largest displacement of 1, and its modal mass in kg."""
+    shape = limit.resonant.shapes[:, mode]
+    size = float(np.abs(shape).max())
+    return shape / size, size**-2
 
 
-def _force_in(force: ExcitationForce, shape: FloatArray, order: int, omega: float) -> float:
+def _force_in(force: ExcitationForce, shape: NDArray[Any], order: int, omega: float) -> float:
     """Amplitude in N of harmonic ``order`` of the force in a motion with the largest displacement 1."""
-    cosine, sine = force.coefficients(omega)[2 * order - 1 : 2 * order + 1] @ shape
-    return math.hypot(float(cosine), float(sine))
+    cosine, sine = force.coefficients(omega)[2 * order - 1 : 2 * order + 1] @ shape.conj()
+    return float(abs(cosine - 1j * sine))
 
 
 def _undamped_modes(
@@ -126,7 +129,7 @@ def _undamped_modes(
     sentences = []
     for order, mode in nearly_undamped(free, force, low, high):
         shape, mass = _shape(free, mode)
-        omega = float(free.circular_frequency[mode])
+        omega = float(free.resonant.circular_frequency[mode])
         excitation, grip = _force_in(force, shape, order, omega / order), grip_of(pairs, shape)
         if grip.opens or excitation <= grip.friction:
             continue
@@ -137,7 +140,7 @@ def _undamped_modes(
         forces = f"the excitation has {excitation:.4g} N in it (at its largest displacement), and {holds}"
         advice = "give a damping matrix or modal_damping_ratio (0.001 is usual for metal), or a range without this mode"
         if _ratio(free, mode) > NO_DAMPING:
-            height = (excitation - grip.friction) / (free.half_power_width[mode] * mass * omega)
+            height = (excitation - grip.friction) / (free.resonant.half_power_width[mode] * mass * omega)
             sentences.append(
                 f"{name} has a damping ratio of only {_ratio(free, mode):.1e}: {forces}. Its peak is about "
                 f"{height:.3g} m high; {advice}."

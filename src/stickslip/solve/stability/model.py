@@ -30,6 +30,9 @@ SMALLEST_PART = 0.01
 # small joints lose nothing. With the 53 patterns above 2 % instead of 12, multipliers of the default two-blade case
 # change by less than 3e-4.
 SMALLEST_FLEXIBILITY, MOST_FLEXIBLE = 0.1, 12
+# A direction without friction is free if its stiffness is below this fraction of its inertia at the excitation. The
+# near coordinates contain free motions but for SMALLEST_FREE_PART (round-off), so that no force answers them.
+FREE_STIFFNESS, SMALLEST_FREE_PART = 1e-7, 1e-10
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,8 @@ class StabilityModel:
         (n_pairs, 3) N/m, the resting springs, which are in ``frequency``.
     modes:
         number of stuck modes among the near coordinates.
+    free:
+        (p, f) motions of the near coordinates without any spring in the moving directions; mostly none.
     """
 
     frequency: FloatArray
@@ -63,6 +68,7 @@ class StabilityModel:
     far_contact: FloatArray
     springs: FloatArray
     modes: int
+    free: FloatArray
 
 
 def stability_model(
@@ -77,9 +83,10 @@ def stability_model(
     frequency, contact = stuck.circular_frequency, stuck.contact_modes
     modes = int(np.searchsorted(frequency, limit, side="right"))
     rows = np.flatnonzero(moves.ravel())
-    added = _sliding_part(
-        frequency, modes, limit, contact[rows], [-springs.ravel()[rows], hidden_springs.ravel()[rows]]
-    )
+    added, free = _sliding_part(
+        frequency, modes, limit, contact[rows], [-springs.ravel()[rows], hidden_springs.ravel()[rows]],
+        FREE_STIFFNESS * stuck.highest_omega**2,
+    )  # fmt: skip
     stiffness, turn = scipy.linalg.eigh(added.T @ (frequency[modes:, None] ** 2 * added))
     added = added @ turn
     basis = np.zeros((frequency.size, modes + added.shape[1]))
@@ -96,18 +103,19 @@ def stability_model(
     far[rows] = patterns
     return StabilityModel(
         np.concatenate([frequency[:modes], np.sqrt(stiffness)]), damping, np.ascontiguousarray(contact @ basis), far,
-        springs, modes,
+        springs, modes, basis.T @ free,
     )  # fmt: skip
 
 
 def _sliding_part(
-    frequency: FloatArray, modes: int, limit: float, contact: FloatArray, changes: Sequence[FloatArray]
-) -> FloatArray:
-    """(n - modes, w) orthonormal parts, in the far stuck modes, of the modes up to ``limit`` with other springs.
+    frequency: FloatArray, modes: int, limit: float, contact: FloatArray, changes: Sequence[FloatArray], free: float
+) -> tuple[FloatArray, FloatArray]:
+    """(n - modes, w) orthonormal parts, in the far stuck modes, of the modes up to ``limit`` with other springs, and
+    (n, f) those of them with a stiffness below ``free`` in 1/s2, which the parts contain completely.
 
     ``contact`` (k, n) are the relative displacements of the stuck modes on k rows, ``changes`` (k,) N/m each.
     """
-    parts = [np.zeros((frequency.size - modes, 0))]
+    parts, motions = [np.zeros((frequency.size - modes, 0))], np.zeros((frequency.size, 0))
     for change in changes:
         if not change.any():
             continue
@@ -116,8 +124,19 @@ def _sliding_part(
         # Rigid motions may have slightly negative squares by round-off.
         _, shapes = scipy.linalg.eigh(stiffness, subset_by_value=(-np.inf, limit**2))
         parts.append(shapes[modes:])
-    directions, sizes, _ = np.linalg.svd(np.hstack(parts), full_matrices=False)
-    return np.asarray(directions[:, sizes > SMALLEST_PART])
+        # The eigenvalues have the round-off of the highest mode, these quotients have not.
+        squares = np.einsum("nf,nf->f", shapes, frequency[:, None] ** 2 * shapes)
+        squares += np.einsum("kf,kf->f", contact @ shapes, change[:, None] * (contact @ shapes))
+        motions = np.hstack([motions, shapes[:, squares < free]])
+    exact = _orthonormal(motions[modes:], SMALLEST_FREE_PART)
+    others = np.hstack(parts)
+    return np.hstack([exact, _orthonormal(others - exact @ (exact.T @ others), SMALLEST_PART)]), motions
+
+
+def _orthonormal(parts: FloatArray, smallest: float) -> FloatArray:
+    """An orthonormal basis of columns (n, c), without directions below a size."""
+    directions, sizes, _ = np.linalg.svd(parts, full_matrices=False)
+    return np.asarray(directions[:, sizes > smallest])
 
 
 def _flexibility(frequency: FloatArray, added: FloatArray, contact: FloatArray, springs: FloatArray) -> FloatArray:

@@ -17,6 +17,7 @@ from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.stability.contact_steps import linear_steps
 from stickslip.solve.stability.march import Period
 from stickslip.solve.stability.model import StabilityModel
+from stickslip.solve.stability.neutral import neutral_disturbances
 
 ComplexArray = NDArray[np.complex128]
 Marching = Callable[[FloatArray], FloatArray]
@@ -28,9 +29,6 @@ DENSE_SIZE = 64
 # below SMALLEST_SIZE matter for no verdict. The error of a multiplier is about the square of that of its equation
 # where the eigenvectors are not far from orthogonal.
 RITZ_TOLERANCE, MOST_BLOCKS, SMALLEST_SIZE = 1e-4, 6, 0.5
-# A direction without friction is free if its stiffness is below this fraction of its inertia at the excitation. Neutral
-# multipliers are 1 within these errors of all eigenvalues (which may be multiple) and of the iteration.
-FREE_STIFFNESS, NEUTRAL_ERROR, NEUTRAL_ITERATED = 1e-7, 1e-5, 2e-3
 # Directions of a block with less than this fraction of its length are round-off, which would enter the basis twice.
 SMALLEST_DIRECTION = 1e-8
 
@@ -39,7 +37,7 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
     """The multipliers of a solution, the largest first; all that matter, and often more.
 
     A pair that sticks through the period is its springs: its slider is no state and has no multiplier 1. One that has
-    shaken down and touches its limit follows disturbances that go farther; tractions that it keeps are left out.
+    shaken down and touches its limit follows disturbances that go farther. Neutral disturbances are left out.
     """
     coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
     harmonics = coefficients.shape[2] // 2
@@ -54,18 +52,16 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
     period = Period(model, steps, moving, trial.omega)
     scale = period.scale(model, trial.omega)
 
+    sticks = trial.contact.state[moving] == ContactState.STUCK
+    neutral = neutral_disturbances(model, steps, moving, sticks, trial.omega, scale)
+
     def march(scaled: FloatArray) -> FloatArray:
-        return period.march(scale[:, None] * scaled) / scale[:, None]
+        moved = period.march(scale[:, None] * neutral.before(scaled)) / scale[:, None]
+        return neutral.after(moved)
 
     if period.size <= DENSE_SIZE:
-        values, accuracy = np.linalg.eigvals(march(np.eye(period.size))), NEUTRAL_ERROR
-    else:
-        values, accuracy = _largest(march, period.size, 2 * model.frequency.size), NEUTRAL_ITERATED
-    # Both tractions of a pair that has shaken down can be neutral, where it only touches its limit.
-    remembers = steps.keep.any(axis=(0, 2, 3))
-    shaken_down = int((remembers & (trial.contact.state[moving] == ContactState.STUCK)).sum())
-    neutral = 2 * shaken_down + _drifts(model, steps, moving, trial.omega)
-    return _sorted(_without_neutral(values, neutral, accuracy))
+        return _sorted(np.linalg.eigvals(march(np.eye(period.size))))
+    return _sorted(_largest(march, period.size, 2 * model.frequency.size))
 
 
 def _sorted(values: NDArray[Any]) -> ComplexArray:
@@ -81,24 +77,6 @@ def stuck_multipliers(model: StabilityModel, omega: float) -> ComplexArray:
     matrix[count:, :count] = -np.diag(model.frequency[:count] ** 2)
     matrix[count:, count:] = -model.damping[:count, :count]
     return _sorted(np.exp(2.0 * np.pi / omega * np.linalg.eigvals(matrix)))
-
-
-def _drifts(model: StabilityModel, steps: LinearSteps, moving: NDArray[np.int64], omega: float) -> int:
-    """Number of directions in which a body moves along with its sliders and no force changes, each with a multiplier 1.
-
-    Friction alone supports a body there, and each of its pairs slips: where it slides to is not determined.
-    """
-    slides = np.zeros((model.springs.shape[0], 3))
-    slides[moving, :2] = model.springs[moving, :2] * steps.keep.any(axis=(0, 3))
-    contact = model.near_contact
-    left = np.diag(model.frequency**2) - contact.T @ (slides.reshape(-1, 1) * contact)
-    return int((np.linalg.eigvalsh(left) < FREE_STIFFNESS * omega**2).sum())
-
-
-def _without_neutral(values: NDArray[Any], most: int, accuracy: float) -> NDArray[Any]:
-    """The multipliers without up to ``most`` that are 1, because tractions or positions are not determined."""
-    nearest = np.argsort(np.abs(values - 1.0))[:most]
-    return np.delete(values, nearest[np.abs(values[nearest] - 1.0) < accuracy])
 
 
 def _states_of(steps: LinearSteps, moving: IndexArray, springs: FloatArray) -> tuple[LinearSteps, IndexArray]:

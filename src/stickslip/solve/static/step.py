@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.contact.law.contact_pairs import ContactPairs, Stepping, joined_step
+from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_step import PressedPairs
+from stickslip.contact.law.joined_laws import Stepping, joined_step
 from stickslip.contact.law.law import BoolArray, ContactState, LawStep
 from stickslip.contact.law.normal_law import NormalLaw, SpringLaw
 from stickslip.core.validation import FloatArray

@@ -306,8 +306,7 @@ def integrate_to_steady_state(
     relative = (operator @ displacement).reshape(n_pairs, 3)
     march = _march(scheme, pairs, relative, initial_slider, initial_cycle)
     unbalanced = load[0] - superelement.stiffness @ displacement - operator.T @ march.force.ravel()
-    if superelement.damping is not None:
-        unbalanced -= superelement.damping @ velocity
+    unbalanced -= superelement.velocity_matrix @ velocity
     try:
         acceleration = scipy.linalg.solve(superelement.mass, unbalanced, assume_a="pos")
     except scipy.linalg.LinAlgError as error:

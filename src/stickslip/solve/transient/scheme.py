@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +37,7 @@ def generalised_alpha(
 ) -> Scheme:
     """Factor the effective matrix once. ``load`` (n_steps, n) N at the start of each step of one period."""
     mass, stiffness, operator = superelement.mass, superelement.stiffness, pairs.operator
-    damping = superelement.damping if superelement.damping is not None else np.zeros_like(mass)
+    damping = superelement.velocity_matrix
     alpha_mass = (2.0 * spectral_radius - 1.0) / (spectral_radius + 1.0)
     alpha_force = spectral_radius / (spectral_radius + 1.0)
     gamma = 0.5 - alpha_mass + alpha_force
@@ -51,10 +52,10 @@ def generalised_alpha(
     from_displacement = -old * stiffness + mass_weight * w0 * mass + w4 * w0 * damping
     from_velocity = -mass_weight * w1 * mass - (old + 1.0 + w4 * w1) * damping
     from_acceleration = -(mass_weight * w2 + alpha_mass / (1.0 - alpha_force)) * mass - (w3 + w4 * w2) * damping
-    factor = scipy.linalg.cho_factor(effective)
-    state_response = scipy.linalg.cho_solve(factor, np.hstack([from_displacement, from_velocity, from_acceleration]))
-    force_response = scipy.linalg.cho_solve(factor, operator.T)
-    load_response = scipy.linalg.cho_solve(factor, (np.roll(load, -1, axis=0) + old * load).T).T
+    solve = _solver(effective, is_symmetric=superelement.gyroscopic is None)
+    state_response = solve(np.hstack([from_displacement, from_velocity, from_acceleration]))
+    force_response = solve(operator.T)
+    load_response = solve((np.roll(load, -1, axis=0) + old * load).T).T
     return Scheme(
         load_response=np.ascontiguousarray(load_response),
         state_response=np.ascontiguousarray(state_response),
@@ -65,3 +66,12 @@ def generalised_alpha(
         old_force_weight=old,
         acceleration_weights=np.array([w0, w1, w2, w3, w4]),
     )
+
+
+def _solver(matrix: FloatArray, is_symmetric: bool) -> Callable[[FloatArray], FloatArray]:
+    """The solution of a system with the matrix, which is positive definite but for Coriolis forces."""
+    if is_symmetric:
+        factor = scipy.linalg.cho_factor(matrix)
+        return lambda right: np.asarray(scipy.linalg.cho_solve(factor, right))
+    general = scipy.linalg.lu_factor(matrix)
+    return lambda right: np.asarray(scipy.linalg.lu_solve(general, right))

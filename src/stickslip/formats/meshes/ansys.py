@@ -1,0 +1,332 @@
+"""Ansys archives (.cdb, command CDWRITE): solids, materials, components, constraints, forces and contact pairs.
+
+- A body is a material of solid elements ("material 1"), or a material and an element type where several have it.
+- A node component is a node set. A component of solids is an element set, one of surface elements a face set.
+- Contact pairs are the elements CONTA173, 174, 175 and TARGE170 with the same set of real constants; their faces are
+  "contact 3" and "target 3".
+
+Source: Ansys Mechanical APDL element reference (node orders) and command reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.ansys_archive import Entry, read_archive
+from stickslip.formats.meshes.ansys_contact import CONTACT_TYPES, TARGET, ContactElements
+from stickslip.formats.meshes.directions import basic_constraints, basic_loads
+from stickslip.formats.meshes.raw_model import (
+    RawBody,
+    RawConstraint,
+    RawLoad,
+    RawMaterial,
+    RawModel,
+    RawSides,
+)
+from stickslip.formats.meshes.solid_lists import SolidLists
+from stickslip.structure.cell_kinds import IntArray
+
+_BRICKS = (45, 185, 95, 186)
+_TETRAHEDRA = (92, 187, 285)
+_SKINS = (151, 152, 153, 154, 155, 156, 200)  # surface effects and mesh facets: no stiffness of their own
+_SHELLS = (43, 63, 93, 181, 281)
+_LAYERED = 1  # KEYOPT(3) of SOLID185 and SOLID186
+_TIES = "it connects nodes to each other in a way that is not read, and the model would be another one without it"
+_REJECTED = {
+    **dict.fromkeys(
+        ("CP", "CE", "CEINTF", "CERIG", "RBE3", "CPINTF"), f"{_TIES}. Write the model as .inp with *EQUATION"
+    ),
+    "EN": "elements one by one are not read. Write the archive with CDWRITE,DB and without the option UNBLOCKED",
+}
+_SILENT = {
+    *("NUMOFF", "DOF", "TYPE", "MAT", "REAL", "SECNUM", "ESYS", "EXTOPT", "FINISH", "TREF", "BFUNIF", "KUSE", "TIME"),
+    *("CRPLIM", "NCNV", "NEQIT", "ERESX", "IRLF", "ANTYPE", "MODOPT", "MODCONTROL", "QRDOPT", "CSYS", "RLBLOCK", "R"),
+    *("RMODIF", "EQSLV", "OUTRES", "OUTPR", "MPTEMP", "MXPAND", "N", "LUMPM", "NLGEOM", "NSUB", "AUTOTS", "KBC"),
+}
+# Gravity, rotations and other loads of zero, which each archive has.
+_GLOBAL_LOADS = ("ACEL", "OMEGA", "DOMEGA", "CGLOC", "CGOMEGA", "DCGOMG", "ALPHAD", "BETAD", "DMPRAT", "DMPSTR")
+_DIRECTIONS = {"UX": (0,), "UY": (1,), "UZ": (2,), "ALL": (0, 1, 2), "ROTX": (3,), "ROTY": (4,), "ROTZ": (5,)}
+_FORCES = {"FX": 0, "FY": 1, "FZ": 2}
+# Middles of the edges of a brick that remain in a wedge (I J K K M N O O) and in a tetrahedron (I J K K M M M M).
+_OF_WEDGE, _WEDGE_MIDDLES = [0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 5, 7, 8, 9, 10]
+_OF_TETRA, _TETRA_MIDDLES = [0, 1, 2, 4], [0, 1, 3, 8, 9, 10]
+
+
+def read_ansys(source: Path) -> RawModel:
+    """The entries of an archive in its own units. Raises ImportFileError that names file and line."""
+    reader = _Reader(source)
+    for entry in read_archive(source):
+        reader.take(entry)
+    return reader.finished()
+
+
+class _Reader:
+    """Reads the commands one after the other."""
+
+    def __init__(self, source: Path) -> None:
+        self.raw = RawModel(source, "Ansys archive")
+        self._types: dict[int, int] = {}  # number of a type -> number of the element, such as 186
+        self._keys: dict[tuple[int, int], int] = {}  # type, KEYOPT -> value
+        self._labels: list[int] = []
+        self._coordinates: list[list[float]] = []
+        self._lines: list[int] = []
+        self._frames: dict[int, FloatArray] = {}
+        self._solids = SolidLists()
+        self._bodies: dict[tuple[int, int], list[int]] = {}  # material, type -> elements
+        self._surface: dict[int, tuple[int, ...]] = {}  # corners of each surface element
+        self._contacts = ContactElements()
+        self._constants: dict[tuple[int, str], tuple[float, int]] = {}  # material, label -> value, line
+        self._components: list[Entry] = []
+        self._skipped: dict[str, int] = {}
+        self._moved: list[int] = []
+        self._cards: dict[str, Callable[[Entry], None]] = {
+            "ET": self._type,
+            "KEYOP": self._key,
+            "KEYOPT": self._key,
+            "NBLOCK": self._nodes,
+            "EBLOCK": self._elements,
+            "CMBLOCK": self._components.append,
+            "MP": self._property,
+            "MPDATA": self._property_table,
+            "D": self._constraint,
+            "F": self._force,
+            **dict.fromkeys(_GLOBAL_LOADS, self._global_load),
+        }
+
+    def take(self, entry: Entry) -> None:
+        """Read one command or block."""
+        if entry.name == "EN" and entry.word(0).startswith(("R5", "UNBL")):
+            return  # the end of a block
+        if entry.name in _REJECTED:
+            entry.fail(f"{_REJECTED[entry.name]}.")
+        if entry.name in self._cards:
+            self._cards[entry.name](entry)
+        elif entry.name not in _SILENT:
+            self._skipped.setdefault(entry.name[:20], entry.line)
+
+    def finished(self) -> RawModel:
+        """The raw model after the last command."""
+        raw = self.raw
+        if not self._labels:
+            raw.fail("there is no NBLOCK with nodes. Write the archive with CDWRITE,DB.")
+        raw.node_labels = np.array(self._labels, dtype=np.int64)
+        raw.coordinates = np.array(self._coordinates, dtype=float)
+        raw.node_lines = np.array(self._lines, dtype=np.int64)
+        raw.blocks += self._solids.blocks()
+        self._write_bodies()
+        self._write_materials()
+        for entry in self._components:
+            self._component(entry)
+        solid_nodes = set().union(*(block.cells.ravel().tolist() for block in raw.blocks))
+        friction = {number: value for (number, label), (value, _) in self._constants.items() if label == "MU"}
+        self._contacts.write(raw, solid_nodes, friction)
+        raw.held, raw.ties.equations = basic_constraints(raw.held, self._frames)
+        raw.loads = basic_loads(raw.loads, self._frames)
+        if self._moved:
+            raw.messages.append(
+                f"{len(self._moved)} lines of D give displacements other than 0 (first in line {self._moved[0]}): "
+                "stickslip uses the location only and sets them to 0."
+            )
+        if self._skipped:
+            words = ", ".join(f"{name} (line {line})" for name, line in self._skipped.items())
+            raw.messages.append(f"ignored, without effect here: {words}.")
+        return raw
+
+    def _write_bodies(self) -> None:
+        for (material, number), elements in self._bodies.items():
+            alone = sum(other == material for other, _ in self._bodies) == 1
+            name = f"material {material}" if alone else f"material {material} type {number}"
+            self.raw.bodies.append(RawBody(name, np.array(elements, dtype=np.int64), str(material), 0))
+
+    def _write_materials(self) -> None:
+        for number in dict.fromkeys(
+            [*(material for material, _ in self._bodies), *(key[0] for key in self._constants)]
+        ):
+            values = {label: value for (material, label), value in self._constants.items() if material == number}
+            young, density = values.get("EX", (None, 0)), values.get("DENS", (None, 0))
+            poisson = values.get("PRXY", values.get("NUXY", (None, 0)))
+            for label in ("EY", "EZ"):
+                if values.get(label, young)[0] != young[0]:
+                    self.raw.fail(
+                        f"{label} of material {number} differs from EX; orthotropic materials of archives are not "
+                        "read. Give the material in the study, or write the model as .inp.",
+                        values[label][1],
+                    )
+            line = max([line for _, line in values.values()], default=0)
+            self.raw.materials[str(number)] = RawMaterial.of_constants(young[0], poisson[0], density[0], line)
+
+    def _component(self, entry: Entry) -> None:
+        name, kind = entry.words[0], entry.word(1)
+        members = self._members(entry)
+        if kind.startswith("NODE"):
+            self.raw.node_sets[name] = members
+        else:
+            solids = np.intersect1d(members, self._solids.labels())
+            if solids.size:
+                self.raw.element_sets[name] = solids
+            sides = [self._surface[label] for label in members.tolist() if label in self._surface]
+            for width in {len(corners) for corners in sides}:
+                corners = np.array([each for each in sides if len(each) == width], dtype=np.int64)
+                self.raw.face_sets.setdefault(name, []).append(RawSides(entry.line, corners=corners))
+        self.raw.set_lines.setdefault(name, entry.line)
+
+    def _members(self, entry: Entry) -> IntArray:
+        """The members of a component that exist; a negative number ends a range."""
+        nodes = entry.word(1).startswith("NODE")
+        elements = [*self._solids.labels().tolist(), *self._surface]
+        defined = np.unique(np.array(self._labels if nodes else elements, dtype=np.int64))
+        chosen = np.zeros(defined.size, dtype=bool)
+        first = 0
+        for line, words in entry.rows:
+            for word in words:
+                last = entry.whole(word, line)
+                if last < 0 and not 0 < first <= -last:
+                    entry.fail(f"{last} is not the end of a range that begins at {first}.", line)
+                first = last if last > 0 else first
+                chosen[slice(*np.searchsorted(defined, [first, abs(last) + 1]))] = True
+        return np.asarray(defined[chosen])
+
+    def _type(self, entry: Entry) -> None:
+        digits = entry.word(1).lstrip("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+        self._types[entry.label(entry.word(0))] = entry.label(digits)
+
+    def _key(self, entry: Entry) -> None:
+        self._keys[entry.label(entry.word(0)), entry.label(entry.word(1))] = int(entry.number(entry.word(2)))
+
+    def _nodes(self, entry: Entry) -> None:
+        if entry.word(1) != "SOLID":
+            entry.fail("blocks without the key SOLID are not read. Write the archive with CDWRITE,DB.")
+        for line, fields in entry.rows:
+            if len(fields) < 3:
+                entry.fail("a node is a number, two more whole numbers, x, y, z and up to three angles.", line)
+            label = entry.label(fields[0], line)
+            values = [entry.number(word, line) for word in fields[3:9]]
+            values += [0.0] * (6 - len(values))
+            self._labels.append(label)
+            self._coordinates.append(values[:3])
+            self._lines.append(line)
+            if any(values[3:]):
+                self._frames[label] = rotated_axes(values[3:])
+
+    def _elements(self, entry: Entry) -> None:
+        if entry.word(0) != "19" or entry.word(1) != "SOLID":
+            entry.fail("only blocks EBLOCK,19,SOLID are read. Write the archive with CDWRITE,DB.")
+        rows = iter(entry.rows)
+        for line, fields in rows:
+            if len(fields) < 12:
+                entry.fail("an element has 11 numbers and its nodes, but the line is shorter.", line)
+            count = entry.whole(fields[8], line)
+            words = fields[11:]
+            while len(words) < count:
+                further = next(rows, None)
+                if further is None:
+                    entry.fail(f"the element has {len(words)} of {count} nodes.", line)
+                words = [*words, *further[1]]
+            if len(words) != count:
+                entry.fail(f"the element has {len(words)} nodes, but announces {count}.", line)
+            material, number, real = (entry.whole(word, line) for word in fields[:3])
+            nodes = [entry.whole(word, line) for word in words]
+            self._element(entry, entry.label(fields[10], line), (material, number, real), nodes, line)
+
+    def _element(self, entry: Entry, label: int, attributes: tuple[int, int, int], nodes: list[int], line: int) -> None:
+        material, number, real = attributes
+        kind = self._types.get(number)
+        if kind is None:
+            entry.fail(f"element {label} has the type {number}, but there is no ET,{number}.", line)
+        if kind in _BRICKS or kind in _TETRAHEDRA:
+            if kind in _BRICKS and self._keys.get((number, 3)) == _LAYERED:
+                entry.fail(f"element {label} has layers (KEYOPT(3) = 1), which are not read.", line)
+            shape, cell = _solid_shape(entry, label, nodes, line)
+            self._solids.add(shape, label, cell, line)
+            self._bodies.setdefault((material, number), []).append(label)
+        elif kind in CONTACT_TYPES:
+            corners = _corners(nodes, kind == TARGET)
+            self._contacts.add(kind, real, material, corners, self._keys.get((number, 12), 0), line)
+            self._surface[label] = corners
+        elif kind in _SKINS:
+            self._surface[label] = _corners(nodes, False)
+        else:
+            name = f"of type {kind}"
+            self.raw.other_elements[name] = self.raw.other_elements.get(name, 0) + 1
+            self._surface[label] = _corners(nodes, False) if kind in _SHELLS else ()
+
+    def _property(self, entry: Entry) -> None:
+        if len(entry.words) > 3 and any(entry.number(word) for word in entry.words[3:]):
+            entry.fail("a polynomial of temperature is not read. Write the archive with MPDATA, or constants.")
+        self._constants[entry.label(entry.word(1)), entry.word(0)] = entry.number(entry.word(2)), entry.line
+
+    def _property_table(self, entry: Entry) -> None:
+        words = entry.words[2:] if entry.word(0).startswith(("R5", "UNBL")) else entry.words
+        if len(words) < 4:
+            entry.fail("a label, a material, a position and a value are required.")
+        key = entry.label(words[1]), words[0].upper()
+        if entry.whole(words[2]) > 1 or any(word and entry.number(word) for word in words[4:]):
+            self.raw.messages.append(
+                f"line {entry.line}: {key[1]} of material {key[0]} depends on temperature; stickslip uses its first "
+                "value only."
+            )
+        if entry.whole(words[2]) <= 1:
+            self._constants[key] = entry.number(words[3]), entry.line
+
+    def _constraint(self, entry: Entry) -> None:
+        node, name = entry.label(entry.word(0)), entry.word(1)
+        if name not in _DIRECTIONS:
+            self._skipped.setdefault(f"D,{name[:10]}", entry.line)
+            return
+        if any(entry.number(entry.word(position)) for position in (2, 3)):
+            self._moved.append(entry.line)
+        self.raw.held.append(RawConstraint(np.array([node], dtype=np.int64), _DIRECTIONS[name], entry.line))
+
+    def _force(self, entry: Entry) -> None:
+        node, name = entry.label(entry.word(0)), entry.word(1)
+        if name not in _FORCES:
+            self._skipped.setdefault(f"F,{name[:10]}", entry.line)
+            return
+        value = entry.number(entry.word(2))
+        self.raw.loads.append(RawLoad(np.array([node], dtype=np.int64), _FORCES[name], value, entry.line))
+
+    def _global_load(self, entry: Entry) -> None:
+        if any(entry.number(word) for word in entry.words):
+            self._skipped.setdefault(entry.name, entry.line)
+
+
+def rotated_axes(angles_degrees: list[float]) -> FloatArray:
+    """Rows (3, 3): axes of a node turned about z, then about its x, then about its y axis, each by an angle."""
+    (z, x, y) = np.radians(angles_degrees)
+    about_z = np.array([[np.cos(z), np.sin(z), 0.0], [-np.sin(z), np.cos(z), 0.0], [0.0, 0.0, 1.0]])
+    about_x = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(x), np.sin(x)], [0.0, -np.sin(x), np.cos(x)]])
+    about_y = np.array([[np.cos(y), 0.0, -np.sin(y)], [0.0, 1.0, 0.0], [np.sin(y), 0.0, np.cos(y)]])
+    return np.asarray(about_y @ about_x @ about_z)
+
+
+def _corners(nodes: list[int], is_target: bool) -> tuple[int, ...]:
+    """Corners of a surface element; a triangle is a quadrilateral I J K K, or has 3 or 6 nodes (targets)."""
+    corners = tuple(nodes[:3] if is_target and len(nodes) in (3, 6) else nodes[:4])
+    return corners[:3] if len(corners) == 4 and corners[2] == corners[3] else corners
+
+
+def _solid_shape(entry: Entry, label: int, nodes: list[int], line: int) -> tuple[str, list[int]]:
+    """Kind and nodes in VTK order of a solid, whose brick may be collapsed to a wedge or a tetrahedron."""
+    n_corners = 8 if len(nodes) in (8, 20) else 4
+    if len(nodes) not in (4, 8, 10, 20):
+        entry.fail(f"element {label} has {len(nodes)} nodes; solids have 4, 8, 10 or 20.", line)
+    corners, middles = nodes[:n_corners], nodes[n_corners:]
+    shape = ("hexahedron", "hexahedron20") if n_corners == 8 else ("tetra", "tetra10")
+    if n_corners == 8 and corners[2] == corners[3]:
+        is_tetra = len(set(corners[4:])) == 1
+        if is_tetra or corners[6] == corners[7]:
+            shape = ("tetra", "tetra10") if is_tetra else ("wedge", "wedge15")
+            chosen, between = (_OF_TETRA, _TETRA_MIDDLES) if is_tetra else (_OF_WEDGE, _WEDGE_MIDDLES)
+            corners = [corners[at] for at in chosen]
+            middles = [middles[at] for at in between] if middles else []
+    elif n_corners == 8 and len(set(corners[4:])) == 1:
+        entry.fail(f"element {label} is a pyramid; stickslip reads tetrahedra, wedges and bricks.", line)
+    if not any(middles):
+        return shape[0], corners
+    if not all(middles):
+        entry.fail(f"element {label} lacks some of its midside nodes. Give all of them, or none.", line)
+    return shape[1], [*corners, *middles]

@@ -1,0 +1,129 @@
+"""The study file that ``new --from MODEL`` writes: what it contains, and that its completed form passes ``check``."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from own_cases import EXAMPLE
+from sentences import printed_sentence, rejects
+from stickslip.case.load import load_case
+from stickslip.cli.main import app
+from stickslip.core.errors import StudyFileError
+from stickslip.model.model import set_up
+
+MODELS = Path(__file__).parents[1] / "data" / "models"
+CONTACT = """*SURFACE INTERACTION, NAME=Steel on steel
+*FRICTION
+0.25, 1000.
+*CONTACT PAIR, INTERACTION=steel on STEEL, TYPE=SURFACE TO SURFACE
+DAMPER_BOTTOM, beam_top
+"""
+RANGE = '\n[solver]\nfrequency_start = "1600 Hz"\nfrequency_stop = "2000 Hz"\n'
+# What no model file contains, by the line to complete.
+ANSWERS = {
+    'normal_load = "... N"': 'normal_load = "40 N"',
+    'sq = "... um"': 'sq = "1 um"',
+    'sample_length = "... mm"': 'sample_length = "0.8 mm"',
+    'set = "..."': 'set = "tip"',
+    'amplitude = "... N"': 'amplitude = "0.2 N"',
+}
+
+
+@pytest.fixture
+def deck(tmp_path: Path) -> Path:
+    """The example of an own mesh with a contact pair, in the folder of the study."""
+    text = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
+    (tmp_path / "deck.inp").write_text(text + CONTACT, encoding="utf-8")
+    return tmp_path / "deck.inp"
+
+
+def written(model: Path, *options: str) -> str:
+    target = model.with_name("study.toml")
+    outcome = CliRunner().invoke(app, ["new", str(target), "--from", str(model), *(options or ("--length-unit", "mm"))])
+    assert outcome.exit_code == 0, outcome.output
+    assert "GIVE" in outcome.stdout
+    return target.read_text(encoding="utf-8")
+
+
+def completed(text: str) -> str:
+    for line, answer in ANSWERS.items():
+        text = text.replace(f"# GIVE {line}", answer)
+    return re.sub(r"^# GIVE ", "", text, flags=re.MULTILINE)
+
+
+@pytest.mark.slow
+def test_a_completed_study_passes_check(deck: Path) -> None:
+    text = written(deck)
+    pair = tomllib.loads(text)["interfaces"]["damper_bottom - beam_top"]
+    assert pair == {"first": "damper_bottom", "second": "beam_top", "friction": 0.25}
+    study = deck.with_name("study.toml")
+    study.write_text(completed(text), encoding="utf-8")
+    outcome = CliRunner().invoke(app, ["check", str(study)])
+    assert outcome.exit_code == 0, outcome.output
+    study.write_text(study.read_text(encoding="utf-8") + RANGE, encoding="utf-8")
+    pairs, of_example = (set_up(load_case(path)).layout.face_pairs for path in (study, EXAMPLE / "study.toml"))
+    first = np.flatnonzero(of_example.face == 0)
+    np.testing.assert_allclose(pairs.area, of_example.area[first], rtol=1e-12)
+    np.testing.assert_allclose(pairs.normal, of_example.normal[first], atol=1e-12)
+
+
+def test_a_study_that_is_not_completed_is_rejected(deck: Path) -> None:
+    text = written(deck)
+    with rejects(StudyFileError, "interfaces.damper_bottom - beam_top.normal_load"):
+        load_case(deck.with_name("study.toml"))
+    # loads, forces and responses complete: the contact stiffness is still nobody's choice
+    part = completed(text.replace("# GIVE [roughness]", "#").replace("# GIVE sq", "#").replace("# GIVE sample", "#"))
+    deck.with_name("study.toml").write_text(part, encoding="utf-8")
+    outcome = CliRunner().invoke(app, ["check", str(deck.with_name("study.toml"))])
+    assert outcome.exit_code == 2
+    printed_sentence(outcome.output)
+
+
+def test_archives_and_bonded_pairs(tmp_path: Path) -> None:
+    """The pair of the archive as a joint; bonded, it is a tie."""
+    text = (MODELS / "cubes.cdb").read_text(encoding="utf-8")
+    (tmp_path / "cubes.cdb").write_text(text, encoding="utf-8")
+    data = tomllib.loads(written(tmp_path / "cubes.cdb"))
+    assert data["interfaces"] == {"pair 5": {"first": "contact 5", "second": "target 5", "friction": 0.2}}
+    assert data["structure"] == {"kind": "mesh", "file": "cubes.cdb", "length_unit": "mm"}
+    (tmp_path / "tied").mkdir()
+    (tmp_path / "tied" / "cubes.cdb").write_text(text.replace("KEYOP,2,12,0", "KEYOP,2,12,5"), encoding="utf-8")
+    tied = written(tmp_path / "tied" / "cubes.cdb")
+    assert tomllib.loads(tied)["ties"] == {"pair 5": {"dependent": "contact 5", "independent": "target 5"}}
+    assert "# GIVE [interfaces.joint]" in tied
+
+
+def test_a_model_without_material_constraint_and_friction(tmp_path: Path) -> None:
+    """A VTU file names faces only; a contact pair without friction asks for it."""
+    (tmp_path / "cubes.vtu").write_bytes((MODELS / "cubes.vtu").read_bytes())
+    text = written(tmp_path / "cubes.vtu")
+    assert {"# GIVE [bodies.lower]", '# GIVE fixed = ["..."]'} <= set(text.splitlines())
+    deck = (MODELS / "cubes.inp").read_text(encoding="utf-8") + "*CONTACT PAIR\nopposite, contact\nopposite, contact\n"
+    (tmp_path / "cubes.inp").write_text(deck, encoding="utf-8")
+    target = tmp_path / "other.toml"
+    outcome = CliRunner().invoke(
+        app,
+        ["new", str(target), "--from", str(tmp_path / "cubes.inp"), "--length-unit", "mm", "--unit-system", "mm-t-s"],
+    )
+    assert outcome.exit_code == 0, outcome.output
+    data = tomllib.loads(target.read_text(encoding="utf-8"))
+    assert list(data["interfaces"]) == ["opposite - contact", "opposite - contact 2"]
+    assert data["structure"]["unit_system"] == "mm-t-s"
+    assert target.read_text(encoding="utf-8").count("# GIVE friction = ...") == 2
+
+
+@pytest.mark.parametrize(
+    "options", [["--from", "deck.inp"], ["--length-unit", "mm"], ["--from", "study.toml", "--unit-system", "SI"]]
+)
+def test_options_that_do_not_fit(deck: Path, options: list[str]) -> None:
+    words = [str(deck.with_name(word)) if "." in word else word for word in options]
+    outcome = CliRunner().invoke(app, ["new", str(deck.with_name("new.toml")), *words])
+    assert outcome.exit_code == 2
+    assert not deck.with_name("new.toml").exists()
+    printed_sentence(outcome.output)
