@@ -22,6 +22,7 @@ from stickslip.reporting.design_page import write_design_page
 from stickslip.reporting.page import write_page
 from stickslip.reporting.sweep_page import write_sweep_page
 from stickslip.reporting.sweep_view import SweepView
+from stickslip.reporting.templates import StudyText
 from stickslip.results.band_statistics import BandStatistics
 from stickslip.results.design import DesignResult
 from stickslip.results.record import StudyRecord
@@ -106,7 +107,10 @@ STUDY_FIELDS = _fields(
 )
 
 
-def hostile_sweep() -> tuple[SweepView, str, str, dict[str, str]]:
+STUDY_TEXT = StudyText(hostile("inputs"), (hostile("changed"),))
+
+
+def hostile_sweep() -> tuple[SweepView, str, StudyText, dict[str, str]]:
     """View, title, inputs and provenance of a sweep over three keys whose every text is hostile."""
     loads = (100.0, 200.0)
     keys = (
@@ -120,10 +124,10 @@ def hostile_sweep() -> tuple[SweepView, str, str, dict[str, str]]:
         for row in view.table.rows
     ]
     view = dataclasses.replace(view, table=dataclasses.replace(view.table, rows=tuple(rows)))
-    return view, hostile("title"), hostile("inputs"), {"date": "2026", hostile("software"): hostile("version")}
+    return view, hostile("title"), STUDY_TEXT, {"date": "2026", hostile("software"): hostile("version")}
 
 
-def hostile_band() -> tuple[BandStatistics, str, str, dict[str, str]]:
+def hostile_band() -> tuple[BandStatistics, str, StudyText, dict[str, str]]:
     """Statistics, title, inputs and provenance of a band whose every text is hostile."""
     statistics = band_statistics([1e-4 * (1 + place) for place in range(15)] + [None], ["peak_amplitude < 1 mm"])
     rows = [
@@ -140,13 +144,13 @@ def hostile_band() -> tuple[BandStatistics, str, str, dict[str, str]]:
         inputs=((key.name, hostile("text"), hostile("form"), hostile("range")),),
         influences={name: dataclasses.replace(each, names=names) for name, each in statistics.influences.items()},
     )
-    return statistics, hostile("title"), hostile("inputs"), {"date": "2026", hostile("software"): hostile("version")}
+    return statistics, hostile("title"), STUDY_TEXT, {"date": "2026", hostile("software"): hostile("version")}
 
 
-BAND_FIELDS = _fields("title inputs software version key-0 text form range row-message row-warning")
+BAND_FIELDS = _fields("title inputs changed software version key-0 text form range row-message row-warning")
 
 
-def hostile_design() -> tuple[DesignResult, str, str, dict[str, str]]:
+def hostile_design() -> tuple[DesignResult, str, StudyText, dict[str, str]]:
     """Result, title, inputs and provenance of a design whose every text is hostile."""
     result = design_result()
     key = dataclasses.replace(result.keys[0], name=f"forces.{hostile('key-0')}.amplitude")
@@ -166,10 +170,12 @@ def hostile_design() -> tuple[DesignResult, str, str, dict[str, str]]:
         starts=tuple(dataclasses.replace(each, message=hostile("end")) for each in result.starts),
         remarks=(hostile("remark"),),
     )
-    return result, hostile("title"), hostile("inputs"), {"date": "2026", hostile("software"): hostile("version")}
+    return result, hostile("title"), STUDY_TEXT, {"date": "2026", hostile("software"): hostile("version")}
 
 
-DESIGN_FIELDS = _fields("title inputs software version key-0 load-0 load-1 failure case case-message end remark")
+DESIGN_FIELDS = _fields(
+    "title inputs changed software version key-0 load-0 load-1 failure case case-message end remark"
+)
 
 
 def _labels(name: str) -> tuple[str, str]:
@@ -177,7 +183,7 @@ def _labels(name: str) -> tuple[str, str]:
 
 
 SWEEP_FIELDS = _fields(
-    "title inputs software version key-0 key-1 key-2 row-message row-warning first-0 first-1 second-0 "
+    "title inputs changed software version key-0 key-1 key-2 key-unit row-message row-warning second-0 "
     "second-1 third-0 third-1"
 )
 
@@ -206,13 +212,14 @@ def hostile_paper_page(picture: Any) -> dict[str, Any]:
         "figures": {"sides": picture},
         "counts": {},
         "failures": [Failure(setting, hostile("failure"))],
-        "inputs": hostile("inputs"),
+        "inputs": STUDY_TEXT,
         "provenance": {hostile("software"): hostile("version")},
     }
 
 
 PAPER_FIELDS = _fields(
-    "caption heading heading-unit cell reason item statement note picture question failure inputs software version"
+    "caption heading heading-unit cell reason item statement note picture question failure inputs changed software "
+    "version"
 )
 
 

@@ -243,7 +243,7 @@ _SOURCE = re.compile(r"\b(?:1[89]|20)\d\d\)?[^.;]*$")
 ALLOWED = {
     # the other paper, which printers take
     "reporting/structure_still.py": ("still picture, for paper and for browsers",),
-    "reporting/sweep_plots.py": ("invisible on white paper",),
+    "reporting/sweep_view.py": ("invisible on white paper",),
     "reporting/look.py": ('"paper_bgcolor":',),  # plotly's name of the ground of a figure
     "sweeps/work.py": ('package / name for name in ("papers", "reporting")',),  # the room
     # names of earlier versions, in study files and in results files

@@ -24,7 +24,7 @@ def test_a_study_without_either_has_five_harmonics() -> None:
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_written_studies_have_an_accuracy_and_name_the_other_key(kind: str) -> None:
     text = Case.from_mapping(EXAMPLES[kind]).to_text()
-    assert f'\naccuracy = "{"2 %" if kind == "two-blade" else "0.5 %"}"' in text
+    assert f'\naccuracy = "{"2 %" if kind in ("two-blade", "bladed-disk") else "0.5 %"}"' in text
     assert "\n# harmonics = 5" in text
 
 

@@ -17,6 +17,7 @@ from helpers import opened_browser
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.reporting.band_page import band_page, write_band_page
+from stickslip.reporting.templates import StudyText
 from stickslip.results.band import TractionRange
 from stickslip.results.band_statistics import BandStatistics
 
@@ -25,7 +26,7 @@ PROVENANCE = {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"}
 
 
 def page_of(statistics: BandStatistics) -> str:
-    return band_page(statistics, "Two <blades>", "[study]", PROVENANCE)
+    return band_page(statistics, "Two <blades>", StudyText("[study]"), PROVENANCE)
 
 
 def figures_of(statistics: BandStatistics) -> dict[str, Any]:
@@ -118,14 +119,14 @@ def test_a_range_over_residual_tractions_that_failed_is_a_notice() -> None:
 
 def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
     with rejects(InputError):
-        write_band_page(tmp_path / "no" / "band.html", band_statistics(PEAKS), "t", "", PROVENANCE)
+        write_band_page(tmp_path / "no" / "band.html", band_statistics(PEAKS), "t", StudyText(""), PROVENANCE)
 
 
 @pytest.mark.slow
 def test_the_page_in_a_browser(tmp_path: Path) -> None:
     path = tmp_path / "band.html"
     statistics = band_statistics([*PEAKS, None], ["peak_amplitude < 0.25 mm"], (3,), tractions())
-    write_band_page(path, statistics, "Two blades", "[study]", PROVENANCE)
+    write_band_page(path, statistics, "Two blades", StudyText("[study]"), PROVENANCE)
     assert path.stat().st_size < LARGEST_PAGE
     with opened_browser() as browser:
         for width in WIDTHS:

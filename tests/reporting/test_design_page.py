@@ -16,13 +16,14 @@ from helpers import opened_browser
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.reporting.design_page import design_page, write_design_page
+from stickslip.reporting.templates import StudyText
 from stickslip.results.design import DesignResult
 
 PROVENANCE = {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"}
 
 
 def page_of(result: DesignResult) -> str:
-    return design_page(result, "Two <blades>", "[study]", PROVENANCE)
+    return design_page(result, "Two <blades>", StudyText("[study]"), PROVENANCE)
 
 
 def figures_of(result: DesignResult) -> dict[str, Any]:
@@ -76,13 +77,13 @@ def test_a_design_without_an_optimum_has_a_page() -> None:
 
 def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
     with rejects(InputError):
-        write_design_page(tmp_path / "no" / "design.html", design_result(), "t", "", PROVENANCE)
+        write_design_page(tmp_path / "no" / "design.html", design_result(), "t", StudyText(""), PROVENANCE)
 
 
 @pytest.mark.slow
 def test_the_page_in_a_browser(tmp_path: Path) -> None:
     path = tmp_path / "design.html"
-    write_design_page(path, design_result(), "Two blades", "[study]", PROVENANCE)
+    write_design_page(path, design_result(), "Two blades", StudyText("[study]"), PROVENANCE)
     assert path.stat().st_size < LARGEST_PAGE
     with opened_browser() as browser:
         for width in WIDTHS:

@@ -154,7 +154,7 @@ def test_texts_of_figures_have_no_markup_but_their_own(pages: Any, kind: str) ->
         "report": ("output-2", "output-7", *structure),
         "band": ("key-0",),
         "design": ("key-0", "load-0", "load-1"),
-        "sweep": ("first-0", "second-1", "third-1", "key-0", "key-1"),
+        "sweep": ("key-unit", "second-1", "third-1", "key-0", "key-1"),
     }[kind]
     shown = "\n".join(html.unescape(text) for text in texts)
     assert [field for field in fields if hostile(field).replace("_", " ") not in shown] == []

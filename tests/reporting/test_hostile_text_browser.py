@@ -24,6 +24,7 @@ from hostile import (
 from stickslip.cli import main as cli
 from stickslip.reporting.page import write_page
 from stickslip.reporting.sweep_page import write_sweep_page
+from stickslip.reporting.templates import StudyText
 from stickslip.results.storage import save_results
 from sweep_tables import MODE, load_key, sweep_view
 from synthetic import synthetic_response, synthetic_study
@@ -66,7 +67,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "again" / "report.html").rename(folder / "report.html")
     write_page(folder / "plain-report.html", synthetic_response(), synthetic_study())
     view = sweep_view((load_key((100.0, 200.0)), MODE), [1e-4, 2e-4, 3e-4, 4e-4])
-    write_sweep_page(folder / "plain-sweep.html", view, "Blades", "[study]", {"date": "2026"})
+    write_sweep_page(folder / "plain-sweep.html", view, "Blades", StudyText("[study]"), {"date": "2026"})
     return folder
 
 

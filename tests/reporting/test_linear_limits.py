@@ -10,6 +10,7 @@ import pytest
 from sentences import printed_sentence
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.sweep_page import sweep_page
+from stickslip.reporting.templates import StudyText
 from stickslip.results.sweep_table import SweptKey
 from sweep_tables import MODE, load_key, sweep_view
 
@@ -65,7 +66,7 @@ def test_without_damping_linear_peaks_have_no_height_to_compare() -> None:
 
 def test_the_page_reports_it_and_draws_each_limit_as_a_curve_over_the_load() -> None:
     view = sweep_view((LOADS,), PEAKS, limits={"stuck": [2e-4] * 4, "free": FREE})
-    text = sweep_page(view, "Blades", "[study]", {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"})
+    text = sweep_page(view, "Blades", StudyText("[study]"), {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"})
     assert text.count("The linear limits differ between the cases") == 1
     assert "runs from 30 µm (100 N) to 48 µm (800 N)" in text
     figures = json.loads(re.search(r'id="page-figures">(.*?)</script>', text, flags=re.DOTALL).group(1))

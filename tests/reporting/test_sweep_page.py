@@ -18,6 +18,7 @@ from stickslip.core.errors import InputError
 from stickslip.reporting import sweep_plots as plots
 from stickslip.reporting.sweep_page import sweep_page, write_sweep_page
 from stickslip.reporting.sweep_view import SweepView, is_logarithmic
+from stickslip.reporting.templates import StudyText
 from stickslip.results.sweep_table import SweepCurve
 from sweep_tables import FORCE, MODE, load_key, sweep_view
 
@@ -27,7 +28,7 @@ PROVENANCE = {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"}
 
 
 def page_of(view: SweepView) -> str:
-    return sweep_page(view, "Two <blades>", "[study]", PROVENANCE)
+    return sweep_page(view, "Two <blades>", StudyText("[study]"), PROVENANCE)
 
 
 def figures_of(view: SweepView) -> dict:
@@ -36,8 +37,11 @@ def figures_of(view: SweepView) -> dict:
 
 def test_every_curve_is_drawn_whole() -> None:
     view = sweep_view((LOADS,), BOWL)
-    traces = figures_of(view)["curves"]["data"]
-    assert [trace["name"] for trace in traces] == ["100 N", "200 N", "400 N", "800 N"]
+    data = figures_of(view)["curves"]["data"]
+    traces, legend = data[:4], data[4:]
+    assert [trace["name"] for trace in traces] == [f"centrifugal force {load} N" for load in (100, 200, 400, 800)]
+    assert [entry["name"] for entry in legend] == ["100 N", "200 N", "400 N", "800 N"]
+    assert [entry["line"]["color"] for entry in legend] == [trace["line"]["color"] for trace in traces]
     for trace, curve in zip(traces, view.curves, strict=True):
         assert trace["y"] == pytest.approx(1e6 * curve.amplitude_m, rel=1e-6)
     assert len({trace["line"]["color"] for trace in traces}) == 4
@@ -46,7 +50,7 @@ def test_every_curve_is_drawn_whole() -> None:
 def test_a_huge_sweep_is_thinned_and_reports_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plots, "DRAWN_POINTS", 300)
     view = sweep_view((LOADS,), BOWL, points=2001)
-    traces = figures_of(view)["curves"]["data"]
+    traces = figures_of(view)["curves"]["data"][:4]
     assert sum(len(trace["x"]) for trace in traces) <= 300
     for trace, curve in zip(traces, view.curves, strict=True):
         assert (trace["x"][0], trace["x"][-1]) == (440.0, 480.0)
@@ -87,11 +91,56 @@ def test_peaks_against_a_key_leave_failed_cases_out_and_mark_open_ends() -> None
     assert (by_mode["x"], by_mode["y"]) == (["single", "same"], pytest.approx([100.0, 200.0]))
 
 
+def test_each_key_has_one_style_on_the_whole_page() -> None:
+    peaks = [1e-4 * (1 + place) for place in range(16)]
+    view = sweep_view((LOADS, MODE, FORCE), peaks, limits={"stuck": [2e-4 + each for each in peaks]})
+    figures, text = figures_of(view), page_of(view)
+    assert "Colour shows preload.centrifugal_force, dash shows excitation.mode, mark shows excitation.amplitude" in text
+    for name, without in (("curves", ""), ("key-0", "colour"), ("key-1", "dash"), ("key-2", "mark")):
+        data = figures[name]["data"]
+        columns = {trace["legendgrouptitle"]["text"] for trace in data if "legendgrouptitle" in trace}
+        wanted = {"colour": "centrifugal force", "dash": "mode", "mark": "amplitude"}
+        assert columns == {words for style, words in wanted.items() if style != without}
+    against_load = [trace for trace in figures["key-0"]["data"] if trace.get("yaxis") == "y"]
+    styles = {(trace["line"]["color"], trace["line"]["dash"], trace["marker"]["symbol"]) for trace in against_load}
+    assert len(styles) == len(against_load) == 4
+    assert {colour for colour, _, _ in styles} == {"#1b2a41"}
+    limits = [trace for trace in figures["performance-load"]["data"] if trace["name"] == "linear, stuck"]
+    assert len({(trace["line"]["dash"], trace["marker"]["symbol"]) for trace in limits}) == len(limits) == 4
+    assert {trace["text"][-1] for trace in limits} == {"stuck"}
+
+
+def test_a_table_without_some_combinations_has_a_page() -> None:
+    view = sweep_view((LOADS, MODE), [3e-4, 4e-4, 1e-4, 2e-4, 2e-4, 3e-4, 4e-4, 5e-4])
+    kept = [place for place in range(8) if place != 3]  # 200 N, same was not computed
+    rows = tuple(view.table.rows[place] for place in kept)
+    view = SweepView(replace(view.table, rows=rows), tuple(view.curves[place] for place in kept), view.force_n[kept])
+    assert figures_of(view)["map-0"]["data"][0]["z"] == [[300.0, 100.0, 200.0, 400.0], [400.0, None, 300.0, 500.0]]
+    # 200 N has the lowest peak, but no peak under the second load case
+    text = page_of(view)
+    assert "The lowest of the highest peaks is 300 µm, of the design with centrifugal force 400 N" in text
+    assert "1 designs with an unknown peak do not count" in text
+
+
+def test_only_pages_that_exist_have_links(tmp_path: Path) -> None:
+    view = sweep_view((LOADS,), BOWL)
+    rows = tuple(replace(row, file=f"cases/{row.name}/results.nc") for row in view.table.rows)
+    view = replace(view, table=replace(view.table, rows=rows))
+    page = tmp_path / "cases" / "case-1" / "report.html"
+    page.parent.mkdir(parents=True)
+    page.touch()
+    target = tmp_path / "sweep.html"
+    write_sweep_page(target, view, "Blades", StudyText("[study]"), PROVENANCE)
+    text = target.read_text(encoding="utf-8")
+    assert re.findall(r'<a href="(cases[^"]*)">([^<]*)', text) == [("cases/case-1/report.html", "200 N")]
+    assert "stickslip report" in text
+
+
 def test_damper_performance_marks_optimum_and_limits() -> None:
     view = sweep_view((LOADS,), BOWL)
     figures, text = figures_of(view), page_of(view)
     names = [trace["name"] for trace in figures["performance-load"]["data"]]
-    assert names == ["peak", "linear, stuck (pairs closed at rest)", "optimum"]
+    assert names == ["peak", "linear, stuck", "optimum"]
     star = figures["performance-load"]["data"][2]
     assert (star["x"], star["y"]) == ([200.0], pytest.approx([100.0]))
     ratio = figures["performance-ratio"]["data"]
@@ -118,14 +167,14 @@ def test_peaks_of_slow_sweeps_are_told_apart_where_they_are_lower() -> None:
     view = SweepView(replace(view.table, rows=rows), (folded, *view.curves[1:]), view.force_n)
     figures, text = figures_of(view), page_of(view)
     for figure in ("key-0", "performance-load"):
-        marks = [trace for trace in figures[figure]["data"] if trace["name"].startswith("peak of a slow sweep")]
+        marks = [trace for trace in figures[figure]["data"] if trace["name"].startswith("slow sweep")]
         assert [(mark["name"], mark["x"], mark["y"]) for mark in marks] == [
-            ("peak of a slow sweep up, where lower", [100.0], [200.0])
+            ("slow sweep up, where lower", [100.0], [200.0])
         ]
         assert marks[0]["marker"]["symbol"] == "triangle-up"
     assert "1 of the curves is unstable in part: these parts are thin and finely dashed." in text
     headings = ("Highest peak, µm", "Peak, slow sweep up, µm", "Peak, slow sweep down, µm")
-    assert all(heading in text for heading in headings)
+    assert [heading in text for heading in headings] == [True, True, False]  # each slow sweep down reaches the peak
     assert "is unstable" not in page_of(sweep_view((LOADS,), BOWL))
     solid, dashed = figures["curves"]["data"][:2]
     assert (solid["x"], solid["y"]) == ([440.0, 460.0, None, 450.0, 480.0], pytest.approx([10, 100, None, 300, 10]))
@@ -175,7 +224,7 @@ def test_spacing_decides_the_axis() -> None:
 
 def test_a_place_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     with rejects(InputError):
-        write_sweep_page(tmp_path / "no" / "sweep.html", sweep_view((LOADS,), BOWL), "", "", PROVENANCE)
+        write_sweep_page(tmp_path / "no" / "sweep.html", sweep_view((LOADS,), BOWL), "", StudyText(""), PROVENANCE)
 
 
 @pytest.fixture(scope="module")
@@ -188,7 +237,7 @@ def browser() -> Iterator:
 def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("sweep") / "sweep.html"
     view = sweep_view((LOADS, MODE), [1e-4, 2e-4, None, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(7,))
-    write_sweep_page(path, view, "Blades", "[study]", PROVENANCE)
+    write_sweep_page(path, view, "Blades", StudyText("[study]"), PROVENANCE)
     return path
 
 
@@ -208,8 +257,8 @@ def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
         stops = tab_stops(page)
         assert stops[0]["name"] == "Contents"
         assert "scale" in {stop["id"] for stop in stops}
-        assert {"All cases", "Inputs"} <= {stop["name"] for stop in stops}
-        assert sum(stop["tag"] == "summary" for stop in stops) == page.locator("summary").count() == 8
+        assert {"All cases", "The complete study file"} <= {stop["name"] for stop in stops}
+        assert sum(stop["tag"] == "summary" for stop in stops) == page.locator("summary").count() == 9
         page.focus("#scale")
         page.keyboard.press("Enter")
         page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
@@ -220,7 +269,7 @@ def test_a_large_sweep_stays_small_and_draws_every_curve(browser, tmp_path: Path
     loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
     view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)], points=2001)
     path = tmp_path / "sweep.html"
-    write_sweep_page(path, view, "Blades", "[study]", PROVENANCE)
+    write_sweep_page(path, view, "Blades", StudyText("[study]"), PROVENANCE)
     assert path.stat().st_size < LARGEST_PAGE
     with opened_page(browser, path) as page:
         lines = page.evaluate("document.getElementById('curves').data.map(trace => [trace.name, trace.x.length])")

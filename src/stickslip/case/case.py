@@ -28,10 +28,12 @@ from stickslip.case.consistency import (
     joint_errors,
     place_errors,
     preload_errors,
+    sector_errors,
     unchosen_range_errors,
     unchosen_stiffness_errors,
     wear_errors,
 )
+from stickslip.case.cyclic_sections import CyclicStructure, TravellingWaveSection
 from stickslip.case.damper_rules import damper_errors, with_two_blade_defaults
 from stickslip.case.explained import explained
 from stickslip.case.interface_sections import InterfaceSection, MatrixInterface, MeshInterfaceSection
@@ -82,7 +84,7 @@ from stickslip.case.two_blade_sections import (
 )
 from stickslip.core.errors import StudyFileError
 
-Kind = Literal["two-blade", "mesh", "matrices"]
+Kind = Literal["two-blade", "mesh", "matrices", "cyclic"]
 FaceStiffness = Annotated[
     ContactStiffnessSection | StiffnessLawSection,
     chosen_by(
@@ -275,7 +277,9 @@ class OwnCase(PressedInterfaces, Case):
         study = data.get("study", {}) if isinstance(data, Mapping) else None
         if not isinstance(study, Mapping) or "title" in study or not isinstance(data.get("structure"), Mapping):
             return data
-        file = data["structure"].get("file") or data["structure"].get("stiffness") or "own matrices"
+        file = data["structure"].get("file") or data["structure"].get("stiffness")
+        if file is None:
+            file = "bladed disk" if data["structure"].get("kind") == "cyclic" else "own matrices"
         return {**data, "study": {**study, "title": f"Vibration of {Path(str(file)).stem}"}}
 
     @property
@@ -311,15 +315,20 @@ class OwnCase(PressedInterfaces, Case):
         yield from unchosen_range_errors(self.solver)
 
 
-class MeshCase(OwnCase):
-    """A study of bodies from a mesh file, with interfaces, forces and responses on its sets of nodes and faces.
+class SolidCase(OwnCase):
+    """A study of bodies of a mesh, with interfaces, forces and responses on its sets of nodes and faces."""
+
+    bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
+    interfaces: dict[Name, MeshInterfaceSection] = Field(default={}, description=MeshInterfaceSection.__doc__)
+
+
+class MeshCase(SolidCase):
+    """A study of bodies from a mesh file.
 
     Sections as in a study file, all values in SI units; a wrong value raises StudyFileError (docs/models.md).
     """
 
     structure: MeshStructureSection
-    bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
-    interfaces: dict[Name, MeshInterfaceSection] = Field(default={}, description=MeshInterfaceSection.__doc__)
     ties: dict[Name, TieSection] = Field(default={}, description=TieSection.__doc__)
     base_motion: BaseMotion | None = None
     rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
@@ -328,6 +337,25 @@ class MeshCase(OwnCase):
         loads = tuple(name for name in ("rotation", "static_loads") if getattr(self, name))
         excitations = {"forces": self.forces, "unbalance": self.unbalance, "base_motion": self.base_motion}
         yield from self._own_misfits(loads, excitations, has_areas=True)
+
+
+class CyclicCase(SolidCase):
+    """A study of a disk of equal sectors under a travelling wave: one sector is solved.
+
+    Sections as in a study file, all values in SI units; a wrong value raises StudyFileError (docs/bladed_disks.md).
+    """
+
+    structure: CyclicStructure
+    travelling_wave: TravellingWaveSection | None = Field(default=None, description=TravellingWaveSection.__doc__)
+
+    def _misfits(self) -> Iterator[EntryError]:
+        if self.travelling_wave is None:
+            yield EntryError(
+                ("travelling_wave",),
+                "is missing. Give this section with engine_order, the number of waves round the disk.",
+            )
+        yield from sector_errors(self.analysis, self.preload, self.damping, self.static_loads, self.unbalance)
+        yield from self._own_misfits((), {"forces": self.forces}, has_areas=True)
 
 
 class MatrixCase(OwnCase):
@@ -347,7 +375,12 @@ class MatrixCase(OwnCase):
         yield from self._own_misfits(loads, {"forces": self.forces, "unbalance": self.unbalance}, has_areas=False)
 
 
-KINDS: dict[str, type[Case]] = {"two-blade": TwoBladeCase, "mesh": MeshCase, "matrices": MatrixCase}
+KINDS: dict[str, type[Case]] = {
+    "two-blade": TwoBladeCase,
+    "mesh": MeshCase,
+    "matrices": MatrixCase,
+    "cyclic": CyclicCase,
+}
 
 
 def parts_of_key(path: str) -> tuple[str, str, str, str]:

@@ -14,7 +14,8 @@ from stickslip.case.template import is_named, section_types, study_text
 SECTIONS = (
     "study", "structure", "geometry", "damper", "mesh", "material", "bodies", "reduction", "roughness",
     "contact_stiffness", "friction", "interfaces", "ties", "preload", "damping", "excitation", "forces", "base_motion",
-    "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver", "output",
+    "travelling_wave", "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver",
+    "output",
 )  # fmt: skip
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from stickslip.case.analysis import WearAnalysis
+from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
 from stickslip.case.own_sections import OwnPreloadSection, PlaceSection
-from stickslip.case.sections import PreloadSection, SolverSection
+from stickslip.case.sections import DampingSection, PreloadSection, SolverSection
 from stickslip.case.two_blade_sections import ROTATING, DamperFrictionSection, WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES
 from stickslip.core.errors import InputError
@@ -218,6 +218,39 @@ def _stiffness_errors(where: tuple[str, str], interface: InterfaceSection) -> It
         yield EntryError((*where, lacking[0]), "is missing: give both stiffnesses of a face, or none.")
     if given and interface.stiffness_law is not None:
         yield EntryError((*where, given[0]), "and stiffness_law are both given. Remove one.")
+
+
+def sector_errors(
+    analysis: AnalysisSection,
+    preload: PreloadSection,
+    damping: DampingSection,
+    static_loads: Mapping[str, Any],
+    unbalance: Mapping[str, Any],
+) -> Iterator[EntryError]:
+    """What is not computed for a sector of a disk, and damping that is missing."""
+    full = "is not computed for a sector of a disk"
+    if not isinstance(analysis, ForcedAnalysis):
+        yield EntryError(
+            ("analysis", "kind"),
+            f'is "{analysis.kind}", which {full}. Use "forced", or a mesh of the full ring with structure.kind = '
+            '"mesh".',
+        )
+    for key in ("traction_band", "search", "gradients"):
+        if getattr(analysis, key):
+            yield EntryError(("analysis", key), f"is true, but this {full}. Set it to false.")
+    if preload.method == "solved":
+        yield EntryError(
+            ("preload", "method"),
+            f'is "solved", which {full}. Use "prescribed" with normal_load of each interface.',
+        )
+    for section, entries in (("static_loads", static_loads), ("unbalance", unbalance)):
+        if entries:
+            yield EntryError((section,), f"{full}: its loads would have to be alike in all sectors. Remove it.")
+    if not any((damping.modal_damping_ratio, damping.rayleigh_alpha, damping.rayleigh_beta)):
+        yield EntryError(
+            ("damping", "modal_damping_ratio"),
+            "is 0, but a sector of a disk requires viscous damping. Give it, 0.001 is usual for metal.",
+        )
 
 
 def unchosen_stiffness_errors(interfaces: Sequence[str]) -> Iterator[EntryError]:

@@ -26,6 +26,23 @@ EXAMPLES: dict[str, dict[str, Any]] = {
         "responses": {"tip": {"point": ["0 mm", "0 mm", "145 mm"], "direction": [1, 0, 0]}},
         "solver": _SOLVER,
     },
+    "bladed-disk": {
+        "study": {"title": "Tuned disk of 24 blades with wedge dampers"},
+        "structure": {"kind": "cyclic"},
+        "material": {"young_modulus": "197 GPa", "poisson_ratio": 0.3, "density": "7800 kg/m^3"},
+        "roughness": _ROUGHNESS,
+        "interfaces": {
+            "own platform": {"first": "damper here", "second": "platform right", "normal_load": "900 N"},
+            "next platform": {"first": "damper ahead", "second": "next platform left", "normal_load": "900 N"},
+        },
+        "travelling_wave": {"engine_order": 4},
+        "forces": {"gas": {"set": "tip", "direction": [0, 1, 0], "amplitude": "0.5 N"}},
+        "responses": {
+            "tip": {"set": "tip", "direction": [0, 1, 0]},
+            "damper": {"set": "damper middle", "direction": [1, 0, 0]},
+        },
+        "solver": {"frequency_start": "560 Hz", "frequency_stop": "610 Hz", "accuracy": "2 %"},
+    },
     "matrices": {
         "study": {"title": "My matrices"},
         "structure": {"kind": "matrices", "file": "superelement.npz"},

@@ -26,7 +26,7 @@ from stickslip.case.quantities import (
     require_printable,
 )
 from stickslip.case.section import Required, Section, chosen_by, has_value, of_kind
-from stickslip.case.sections import PreloadSection, StructureSection
+from stickslip.case.sections import STRUCTURE_KINDS, PreloadSection, StructureSection
 from stickslip.core.errors import InputError
 from stickslip.core.units import LARGEST_INTEGER, Count, NodeNumber, Quantity
 
@@ -37,6 +37,10 @@ _MATERIAL = "is missing: only the two-blade structure has a default material."
 Acceleration = Annotated[
     float, Quantity("acceleration", at_least=1e-12, at_most=1e9, usual=(1e-6, 1e6), example='"9.81 m/s^2"')
 ]
+# Of a direction of a crystal; single ones exceed 0.5 or are negative.
+AnyRatio = Annotated[float, Quantity("pure number", at_least=-10.0, at_most=10.0)]
+# In the unit of the mesh file.
+Temperature = Annotated[float, Quantity("pure number", at_least=-1e5, at_most=1e5)]
 # Balancing grade G 0.4 of a dental drill leaves 1e-10 kg m, a ship's propeller has 1 kg m.
 Imbalance = Annotated[float, Quantity("unbalance", at_least=1e-18, at_most=1e6, example='"2e-6 kg m"')]
 
@@ -61,15 +65,9 @@ BodyName = Annotated[str, AfterValidator(require_printable)]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
 
-class MeshStructureSection(StructureSection):
-    """The structure is a mesh in a file."""
+class MeshFileSection(StructureSection):
+    """A mesh in a file."""
 
-    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("stiffness", "mass", "damping", "unknown_map", "node_positions"),
-        'does not belong to a structure of kind "mesh". Remove it.',
-    )
-
-    kind: Literal["mesh"] = Field(description="two-blade, mesh or matrices")
     file: Annotated[FileName, Required('is missing: a structure of kind "mesh" requires a mesh file.')] = Field(
         description="mesh, relative to the study file", examples=["blades.inp"]
     )
@@ -80,6 +78,9 @@ class MeshStructureSection(StructureSection):
     unit_system: str | None = Field(default=None, description="of all other units in this file", examples=["mm-t-s"])
     includes_outside: bool | None = Field(
         default=None, description="true: the deck may include files outside of its folder", examples=[True]
+    )
+    temperature: Temperature | None = Field(
+        default=None, description="of constants in this file that depend on it, in its unit", examples=[650.0]
     )
     fixed: tuple[str, ...] = Field(
         default=(), description="clamped node or face sets, in addition to constraints in the file", examples=[["root"]]
@@ -94,6 +95,17 @@ class MeshStructureSection(StructureSection):
         return {"file": self.file}
 
 
+class MeshStructureSection(MeshFileSection):
+    """The structure is a mesh in a file."""
+
+    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("stiffness", "mass", "damping", "unknown_map", "node_positions"),
+        'does not belong to a structure of kind "mesh". Remove it.',
+    )
+
+    kind: Literal["mesh"] = Field(description=STRUCTURE_KINDS)
+
+
 class SuperelementSection(StructureSection):
     """The structure is a superelement in a file, or stiffness and mass in files of another program."""
 
@@ -104,7 +116,7 @@ class SuperelementSection(StructureSection):
         ),
     }
 
-    kind: Literal["matrices"] = Field(description="two-blade, mesh or matrices")
+    kind: Literal["matrices"] = Field(description=STRUCTURE_KINDS)
     file: FileName = Field(description="superelement (.npz), relative to the study file", examples=["superelement.npz"])
 
     @property
@@ -118,7 +130,7 @@ class MatrixFilesSection(StructureSection):
 
     foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(("fixed", "element", "includes_outside"), _OF_MESH_STRUCTURE)
 
-    kind: Literal["matrices"] = Field(description="two-blade, mesh or matrices")
+    kind: Literal["matrices"] = Field(description=STRUCTURE_KINDS)
     stiffness: Annotated[FileName, Required("is missing: give file, or stiffness and mass.")] = Field(
         description="matrices, instead of file: .mtx, .mat, .npy ...", examples=["stiffness.mtx"]
     )
@@ -167,6 +179,21 @@ class BodySection(Section):
     density: Density | None = Field(default=None, examples=["7800 kg/m^3"])
     fatigue_limit: FatigueLimit = None
     tensile_strength: TensileStrength = None
+    young_moduli: tuple[YoungModulus, YoungModulus, YoungModulus] | None = Field(
+        default=None, description="orthotropic: along the axes 1, 2, 3", examples=[["128 GPa", "128 GPa", "128 GPa"]]
+    )
+    poisson_ratios: tuple[AnyRatio, AnyRatio, AnyRatio] | None = Field(
+        default=None, description="orthotropic: nu12, nu13, nu23 (nu12: tension along 1)", examples=[[0.38, 0.38, 0.38]]
+    )
+    shear_moduli: tuple[YoungModulus, YoungModulus, YoungModulus] | None = Field(
+        default=None, description="orthotropic: G12, G13, G23", examples=[["120 GPa", "120 GPa", "120 GPa"]]
+    )
+    axis_1: Direction | None = Field(
+        default=None, description="orthotropic: axis 1 of the material; default x", examples=[[1.0, 0.0, 0.0]]
+    )
+    axis_2: Direction | None = Field(
+        default=None, description="orthotropic: in the plane of axes 1 and 2; default y", examples=[[0.0, 1.0, 0.0]]
+    )
 
 
 class OwnPreloadSection(PreloadSection):

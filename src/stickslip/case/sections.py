@@ -22,6 +22,9 @@ class StudySection(Section):
     title: str = Field(default="Two blades with an under-platform damper", description="heading of the report")
 
 
+STRUCTURE_KINDS = "two-blade, mesh, matrices or cyclic"
+
+
 class StructureSection(Section):
     """Source of the structure."""
 

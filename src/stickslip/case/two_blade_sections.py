@@ -22,7 +22,7 @@ from stickslip.case.quantities import (
     YoungModulus,
 )
 from stickslip.case.section import Section, instead_of, of_kind, without_default
-from stickslip.case.sections import FrictionSection, PreloadSection, StructureSection
+from stickslip.case.sections import STRUCTURE_KINDS, FrictionSection, PreloadSection, StructureSection
 from stickslip.core.errors import InputError
 from stickslip.core.units import Quantity
 
@@ -171,7 +171,7 @@ class TwoBladeStructureSection(StructureSection):
         'does not belong to a structure of kind "two-blade". Remove it.',
     )  # fmt: skip
 
-    kind: Literal["two-blade"] = Field(default="two-blade", description="two-blade, mesh or matrices")
+    kind: Literal["two-blade"] = Field(default="two-blade", description=STRUCTURE_KINDS)
 
 
 # Keys that give the centrifugal force of the damper together.

@@ -96,10 +96,13 @@ def import_model(
     includes_outside: Annotated[
         bool, typer.Option("--includes-outside", help="Let a deck include files outside of its folder.")
     ] = False,
+    temperature: Annotated[
+        float | None, typer.Option("--temperature", help="Of material constants that depend on it, in the file's unit.")
+    ] = None,
     debug: Debug = False,
 ) -> None:
     """Show bodies, sets, masses and size of a model file."""
     with error_messages(debug):
         from stickslip.cli.model_listing import print_model
 
-        print_model(path, length_unit, unit_system, includes_outside)
+        print_model(path, length_unit, unit_system, includes_outside, temperature)

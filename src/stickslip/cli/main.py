@@ -21,6 +21,7 @@ from stickslip.cli.many_cases import (
     about_file,
     close_cases,
     load_study,
+    pages_of_cases,
     require_one_place,
     solving,
     study_from,
@@ -95,7 +96,7 @@ def new(
         str | None,
         typer.Option(
             "--kind",
-            help="Structure: two-blade (default), mesh (your own file) or matrices.",
+            help="Structure: two-blade (default), bladed-disk, mesh (your own file) or matrices.",
             show_default=False,
         ),
     ] = None,
@@ -260,6 +261,7 @@ def sweep(
         require_folder(out)
         with solving(replace(places, varied=tuple(varied)), scheduler, quiet) as (progress, executor):
             result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
+            pages_of_cases(result, out, progress)
         close_cases(result, quiet, "cases")
 
 

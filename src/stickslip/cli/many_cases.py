@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from stickslip.sweeps.run import Sweep
 
 EXIT_NOT_CONVERGED = 3  # what was computed is written
+PAGES_AT_ONCE = 24  # chosen: each takes 5 MB and a third of a second; "stickslip report" writes those of larger sweeps
 SHOWN_FAILURES = 10  # chosen: lines on failed cases
 
 
@@ -105,6 +106,17 @@ def solving(
             return
         with cluster_executor(scheduler, progress) as executor:
             yield progress, executor
+
+
+def pages_of_cases(result: Sweep, out: Path, progress: Progress) -> None:
+    """Write the page of each case of a small sweep that has none, and the page of the sweep with links to them."""
+    from stickslip.sweeps.again import report_sweep
+
+    count = len(result.table.rows)
+    if count > PAGES_AT_ONCE:
+        return
+    for number, page in enumerate(report_sweep(out, renew=False)):
+        progress.update("Pages", min(1.0, (number + 1) / (count + 1)), page.parent.name)
 
 
 def close_cases(result: Sweep | Band, quiet: bool, cases: str) -> None:

@@ -24,7 +24,13 @@ _AXES = ("x", "y", "z")
 Rows = list[tuple[str, ...]]
 
 
-def print_model(path: Path, length_unit: str | None, unit_system: str | None, includes_outside: bool) -> None:
+def print_model(
+    path: Path,
+    length_unit: str | None,
+    unit_system: str | None,
+    includes_outside: bool,
+    temperature: float | None = None,
+) -> None:
     """Print bodies, sets, constraints and messages of a model file as tables. Raises ImportFileError and InputError.
 
     Without a length unit there are no sizes, but two guesses of the size with a request for the unit.
@@ -37,7 +43,7 @@ def print_model(path: Path, length_unit: str | None, unit_system: str | None, in
     units_known = length_unit is not None
     units = find_unit_system(length_unit or "m", unit_system)
     raw = read_raw(path, includes_outside)
-    model = build_model(raw, units)
+    model = build_model(raw, units, temperature)
     console = Console(soft_wrap=True)
     console.print(printable(f"{model.source}: {model.format}"), markup=False)
     for title, heading, rows in _tables(model, units_known):
@@ -103,8 +109,10 @@ def _masses(model: ImportedModel) -> Rows:
         if material is None:
             rows.append((name, f"{1e9 * volume:.6g}", "no material", "", ""))
         else:
-            numbers = (1e9 * volume, material.density * volume, 1e-9 * material.young_modulus, material.density)
-            rows.append((name, *(f"{number:.6g}" for number in numbers)))
+            modulus = f"{1e-9 * material.young_modulus:.6g}"
+            modulus += "" if material.elastic is None else " (average)"
+            mass = f"{material.density * volume:.6g}"
+            rows.append((name, f"{1e9 * volume:.6g}", mass, modulus, f"{material.density:.6g}"))
     return rows
 
 

@@ -23,8 +23,9 @@ def report(
                 f'the folder "{folder}" does not exist. Give the --out folder of a run, with results.nc, or of a sweep.'
             )
         from stickslip.study import run as study
+        from stickslip.sweeps import again
 
-        for file in study.report(folder):
+        for file in again.report_sweep(folder) if again.is_sweep(folder) else study.report(folder):
             echo(f"Wrote {file}")
 
 

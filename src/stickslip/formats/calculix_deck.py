@@ -21,6 +21,8 @@ Step = Literal["frequency", "matrices"]
 BRICKS = ("C3D8I", "C3D8")
 # Element types of CalculiX for our other kinds of cells. Its node order is that of VTK for all of them.
 ELEMENT_TYPES = {"hexahedron20": "C3D20", "tetra": "C3D4", "tetra10": "C3D10", "wedge": "C3D6", "wedge15": "C3D15"}
+# Stresses 11, 22, 33, 12, 13, 23 of CalculiX in the order xx, yy, zz, xy, yz, zx of an elastic matrix.
+_CALCULIX_ORDER = [0, 1, 2, 3, 5, 4]
 
 
 class TiedPairs(Protocol):
@@ -144,8 +146,16 @@ def _equation_lines(pairs: TiedPairs) -> Iterator[str]:
 def _material_lines(materials: Sequence[Material]) -> Iterator[str]:
     for number, material in enumerate(materials):
         yield f"*MATERIAL, NAME=material_{number}"
-        yield "*ELASTIC"
-        yield f"{material.young_modulus!r}, {material.poisson_ratio!r}"
+        if material.elastic is None:
+            yield "*ELASTIC"
+            yield f"{material.young_modulus!r}, {material.poisson_ratio!r}"
+        else:
+            # D1111, D1122, D2222, D1133 ...: the upper triangle column by column, in the order 11, 22, 33, 12, 13, 23
+            matrix = material.elastic_matrix()[np.ix_(_CALCULIX_ORDER, _CALCULIX_ORDER)]
+            # CalculiX reads 20 characters of a number
+            values = [f"{matrix[row, column]:.12e}" for column in range(6) for row in range(column + 1)]
+            yield "*ELASTIC, TYPE=ANISOTROPIC"
+            yield from (", ".join(values[at : at + 8]) for at in range(0, 24, 8))
         yield "*DENSITY"
         yield f"{material.density!r}"
         yield f"*SOLID SECTION, ELSET=body_{number}, MATERIAL=material_{number}"

@@ -16,6 +16,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import BaseMotion
 from stickslip.structure.elasticity import Material, Structure
 from stickslip.structure.mesh import IntArray
+from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.superelement import Superelement
 
 Direction = tuple[float, float, float]
@@ -144,7 +145,7 @@ class Setup(Protocol):
     @property
     def layout(self) -> Layout: ...
 
-    def assemble(self) -> Structure | Superelement:
+    def assemble(self) -> Structure | Superelement | SectorStructure:
         """The matrices; for small matrices a superelement. Raises InputError."""
 
     def sizes(self) -> tuple[tuple[str, str], ...]:

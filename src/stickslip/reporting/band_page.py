@@ -16,7 +16,7 @@ from stickslip.reporting import band_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import number, shown_number
 from stickslip.reporting.sweep_view import peak_remark, short_name
-from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
 from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure, Exceedance
 from stickslip.results.band_statistics import BandStatistics
 
@@ -25,18 +25,18 @@ DRAWN_INPUTS = 6  # chosen: plots of peaks against inputs, those with the larges
 
 
 def write_band_page(
-    path: str | PathLike[str], statistics: BandStatistics, title: str, inputs: str, provenance: Mapping[str, str]
+    path: str | PathLike[str], statistics: BandStatistics, title: str, inputs: StudyText, provenance: Mapping[str, str]
 ) -> None:
     """Write the page of a band to ``path``, completely or not at all. Raises InputError if it cannot be written.
 
-    ``inputs`` is the text of the study file with the central values.
+    ``inputs`` is the study file with the central values.
     """
     text = band_page(statistics, title, inputs, provenance)
     with whole_file(Path(path), "page of the band", InputError) as part:
         part.write_text(text, encoding="utf-8")
 
 
-def band_page(statistics: BandStatistics, title: str, inputs: str, provenance: Mapping[str, str]) -> str:
+def band_page(statistics: BandStatistics, title: str, inputs: StudyText, provenance: Mapping[str, str]) -> str:
     """The page of a band as HTML."""
     table = statistics.table
     has_peaks = statistics.percentiles["peak_amplitude"].count > 0

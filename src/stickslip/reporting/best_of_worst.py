@@ -15,7 +15,7 @@ LOAD_KEYS = ("preload.speed_of_rotation",)
 def best_of_worst(view: SweepView) -> str:
     """A sentence on the minimum over designs of the maximum over load cases; "" without a design with a known peak.
 
-    A design counts if the peak of each of its load cases is inside the computed range.
+    A design counts if it was computed under every load case, and each of these peaks is inside the computed range.
     """
     names = [key.name for key in view.table.keys]
     loads = [place for place, name in enumerate(names) if name.split(".")[0] in LOAD_SECTIONS or name in LOAD_KEYS]
@@ -25,7 +25,9 @@ def best_of_worst(view: SweepView) -> str:
     peak, inside = view.number("peak_amplitude_m"), view.inside()
     _, member_of = np.unique(view.positions[:, designs], axis=0, return_inverse=True)
     groups = [np.flatnonzero(member_of.ravel() == number) for number in range(int(member_of.max()) + 1)]
-    complete = [rows for rows in groups if inside[rows].all()]
+    _, case_of = np.unique(view.positions[:, loads], axis=0, return_inverse=True)
+    count = int(case_of.max()) + 1 if loads else 1
+    complete = [rows for rows in groups if rows.size == count and inside[rows].all()]
     if not complete:
         return "No design has a known peak under all its load cases."
     worst = [int(rows[peak[rows].argmax()]) for rows in complete]

@@ -13,24 +13,24 @@ from stickslip.core.files import whole_file
 from stickslip.reporting import design_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import number, shown_number
-from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
 from stickslip.results.band import BandMeasure, Limit
 from stickslip.results.design import DesignCase, DesignKey, DesignResult, Evaluation, Sharpness, StartResult
 
 
 def write_design_page(
-    path: str | PathLike[str], result: DesignResult, title: str, inputs: str, provenance: Mapping[str, str]
+    path: str | PathLike[str], result: DesignResult, title: str, inputs: StudyText, provenance: Mapping[str, str]
 ) -> None:
     """Write the page of a design to ``path``, completely or not at all. Raises InputError if it cannot be written.
 
-    ``inputs`` is the text of the study file.
+    ``inputs`` is the study file.
     """
     text = design_page(result, title, inputs, provenance)
     with whole_file(Path(path), "page of the design", InputError) as part:
         part.write_text(text, encoding="utf-8")
 
 
-def design_page(result: DesignResult, title: str, inputs: str, provenance: Mapping[str, str]) -> str:
+def design_page(result: DesignResult, title: str, inputs: StudyText, provenance: Mapping[str, str]) -> str:
     """The page of a design as HTML."""
     failed = sum(bool(each.failure) for each in result.evaluations)
     has_optimum = result.optimum is not None

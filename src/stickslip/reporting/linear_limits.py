@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stickslip.reporting.style import MICRO, number
-from stickslip.reporting.sweep_view import SweepView
+from stickslip.reporting.sweep_view import SweepView, value_words
 from stickslip.results.sweep_table import SweptKey
 
 # chosen: fraction of the smaller peak by which limits may differ and still count as equal.
@@ -68,9 +68,10 @@ def _range(view: SweepView, place: int, limit: str) -> str:
         if spread <= largest:
             continue
         largest, (name, reason) = spread, _REASONS[limit]
-        labels = view.table.keys[place].labels
+        key = view.table.keys[place]
         ends = " to ".join(
-            f"{number(MICRO * float(peak[row]))} µm ({labels[view.positions[row, place]]})" for row in (low, high)
+            f"{number(MICRO * float(peak[row]))} µm ({value_words(key, view.positions[row, place])})"
+            for row in (low, high)
         )
         others = f" with {group.label}" if group.label else ""
         words = f"{name}{others} runs from {ends}, {reason}"

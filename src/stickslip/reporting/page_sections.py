@@ -14,6 +14,7 @@ from typing import Any
 from stickslip.reporting import plots
 from stickslip.reporting.assumption_section import ASSUMPTIONS
 from stickslip.reporting.curve_plot import amplitude_frequency
+from stickslip.reporting.disk_section import DISK
 from stickslip.reporting.gradient_section import GRADIENTS
 from stickslip.reporting.look import Figure
 from stickslip.reporting.mode_section import NONLINEAR_MODE
@@ -25,6 +26,7 @@ from stickslip.reporting.stress_section import STRESS
 from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.sweep_words import sweep_words
+from stickslip.reporting.templates import StudyText
 from stickslip.reporting.traction_words import TRACTIONS
 from stickslip.reporting.view import View
 from stickslip.reporting.wear_section import WEAR
@@ -178,6 +180,7 @@ SECTIONS = (
     PERFORMANCE_CURVE,
     PEAK_RIDGE,
     WEAR,
+    DISK,
     STRUCTURE,
     STRESS,
     Section(
@@ -304,11 +307,8 @@ SECTIONS = (
     ),
     Section(
         "Inputs",
-        """{% if changed %}<p class="note">These keys differ from their defaults:</p>
-<ul class="changed">{% for line in changed %}<li><code>{{ line }}</code></li>{% endfor %}</ul>
-{% endif %}<details class="more"><summary>The complete study file</summary>
-{{ parts.input_text(inputs) }}</details>""",
-        lambda view: {"inputs": view.study.inputs, "changed": view.changed_inputs},
+        "{{ parts.study_file(study) }}",
+        lambda view: {"study": StudyText(view.study.inputs, view.changed_inputs)},
     ),
     Section(
         "Settings and provenance",

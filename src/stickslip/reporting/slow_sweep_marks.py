@@ -30,12 +30,11 @@ def slow_sweep_marks(
         peak = view.number(column)[rows]
         lower = peak < (1.0 - SAME_PEAK) * highest  # not for NaN, a sweep without a stable point
         if lower.any():
-            name = f"peak of a slow sweep {direction}, where lower"
+            name = f"slow sweep {direction}, where lower"
             yield {
                 "type": "scatter",
                 "mode": "markers",
                 "name": name,
-                "legendgroup": name,
                 "x": [value for value, is_lower in zip(x, lower, strict=True) if is_lower],
                 "y": plain_list((scale[rows] * peak)[lower]),
                 "marker": {"symbol": symbol, "size": 10, "color": colour},

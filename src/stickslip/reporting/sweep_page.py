@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path, PurePosixPath
 
+import numpy as np
+
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.reporting import sweep_plots as plots
@@ -15,10 +17,13 @@ from stickslip.reporting.best_of_worst import best_of_worst
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.look import Figure, plain_figures
 from stickslip.reporting.style import MICRO, number, shown_number
-from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, peak_remark, short_name
-from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.reporting.sweep_performance import optima, performance
+from stickslip.reporting.sweep_styles import LEGEND_ENTRIES, styles_of
+from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, peak_remark, short_name, value_words
+from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
 from stickslip.reporting.thinning import Thinned
-from stickslip.results.sweep_table import SweepRow
+from stickslip.results.sweep_table import SweepRow, SweptKey
+from stickslip.results.sweeps_of_curve import SAME_PEAK
 
 REPORT_FILE = "report.html"  # page of a case, beside its results
 # column of the table -> heading, factor, unit
@@ -37,28 +42,33 @@ _COLUMNS = {
     "friction_energy_j": ("Friction energy, µJ", 1e6, "µJ"),
     "viscous_energy_j": ("Viscous energy, µJ", 1e6, "µJ"),
 }
+_SLOW_SWEEPS = ("upward_peak_amplitude_m", "downward_peak_amplitude_m")
 
 
 def write_sweep_page(
-    path: str | PathLike[str], view: SweepView, title: str, inputs: str, provenance: Mapping[str, str]
+    path: str | PathLike[str], view: SweepView, title: str, inputs: StudyText, provenance: Mapping[str, str]
 ) -> None:
     """Write the page of a sweep to ``path``, completely or not at all. Raises InputError if it cannot be written.
 
-    ``inputs`` is the text of the study file of the base case.
+    ``inputs`` is the study file of the base case.
     """
     target = Path(path)
-    text = sweep_page(view, title, inputs, provenance)
+    text = sweep_page(view, title, inputs, provenance, target.parent)
     with whole_file(target, "page of the sweep", InputError) as part:
         part.write_text(text, encoding="utf-8")
 
 
-def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str, str]) -> str:
-    """The page of a sweep as HTML."""
+def sweep_page(
+    view: SweepView, title: str, inputs: StudyText, provenance: Mapping[str, str], folder: Path | None = None
+) -> str:
+    """The page of a sweep as HTML, with a link to each page of a case that exists in the ``folder`` of the sweep."""
+    pages = [_page_of_case(row, folder) for row in view.table.rows]
     points = plots.thinned_curves(view) if any(view.curves) else None
     maps = plots.maps(view) if len(view.table.keys) > 1 else []
+    columns = _shown_columns(view)
     values = {
         "title": title,
-        "description": "; ".join(f"{key.name}: {_values(key.labels)}" for key in view.table.keys) + ".",
+        "description": "; ".join(f"{key.name}: {_values(key)}" for key in view.table.keys) + ".",
         "byline": f"{when(provenance)} · {len(view.table.rows)} cases · {len(view.table.failed)} failed",
         "notices": [*_failures(view), *_limits(view)],
         "tiles": list(_tiles(view)),
@@ -68,8 +78,9 @@ def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str
         "optimum": _optimum_words(view) if view.place_of(LOAD_KEY) is not None else "",
         "map_headings": [heading for heading, _ in maps],
         "maps_left_out": _omitted_maps(view),
-        "headings": [*map(short_name, view.table.keys), *(heading for heading, _, _ in _COLUMNS.values())],
-        "rows": [_table_row(view, place, row) for place, row in enumerate(view.table.rows)],
+        "headings": [*map(short_name, view.table.keys), *(_COLUMNS[name][0] for name in columns)],
+        "rows": [_table_row(view, place, columns, page) for place, page in enumerate(pages)],
+        "has_pages": all(page for page, row in zip(pages, view.table.rows, strict=True) if row.file),
         "inputs": inputs,
     }
     figures = _figures(view, points) | {f"map-{count}": figure for count, (_, figure) in enumerate(maps)}
@@ -89,13 +100,14 @@ def _figures(view: SweepView, points: Thinned | None) -> dict[str, Figure]:
     figures = {"curves": plots.all_curves(view, points)} if points else {}
     figures |= {f"key-{place}": plots.against_key(view, place) for place in range(len(view.table.keys))}
     if view.place_of(LOAD_KEY) is not None:
-        figures["performance-load"] = plots.performance(view, by_ratio=False)
-        figures["performance-ratio"] = plots.performance(view, by_ratio=True)
+        figures["performance-load"] = performance(view, by_ratio=False)
+        figures["performance-ratio"] = performance(view, by_ratio=True)
     return figures
 
 
-def _values(labels: tuple[str, ...]) -> str:
+def _values(key: SweptKey) -> str:
     """All values, or the first and the last of many."""
+    labels = [value_words(key, place) for place in range(len(key.values))]
     return ", ".join(labels) if len(labels) <= 8 else f"{labels[0]} to {labels[-1]} ({len(labels)} values)"
 
 
@@ -130,8 +142,7 @@ def _tiles(view: SweepView) -> Iterator[Tile]:
 
 def _curves_note(view: SweepView, points: Thinned) -> str:
     """Description of the figure of all curves."""
-    keys = view.table.keys
-    words = f"Colour shows {keys[0].name}" + (f", dash shows {keys[1].name}" if len(keys) > 1 else "")
+    words = f"{styles_of(view.table.keys).words()}, in all figures of this page"
     if points.tolerance:
         drawn = sum(each.size for each in points.indices)
         total = sum(curve.frequency_hz.size for curve in view.curves if curve is not None)
@@ -150,13 +161,13 @@ def _curves_note(view: SweepView, points: Thinned) -> str:
 
 
 def _optimum_words(view: SweepView) -> str:
-    best = plots.optima(view)
+    best = optima(view)
     if not best:
         return "No peak is inside its computed range, so there is no optimum."
     place = view.place_of(LOAD_KEY) or 0
     peak, sentences = view.number("peak_amplitude_m"), []
-    for optimum in best[: plots.LEGEND_ENTRIES]:
-        load = view.table.keys[place].labels[view.positions[optimum.row, place]]
+    for optimum in best[:LEGEND_ENTRIES]:
+        load = value_words(view.table.keys[place], view.positions[optimum.row, place])
         group = f"{optimum.label}: " if optimum.label else ""
         end = ", at an end of the loads with a peak, so the true optimum may be beyond" if optimum.at_end else ""
         words = f"{group}lowest computed peak {number(MICRO * float(peak[optimum.row]))} µm at F_N = {load}{end}."
@@ -184,16 +195,31 @@ class _Row:
     page: str = ""
 
 
-def _table_row(view: SweepView, place: int, row: SweepRow) -> _Row:
-    positions = view.positions[place]
-    cells = [key.labels[positions[i]] for i, key in enumerate(view.table.keys)]
-    for name, (_, factor, unit) in _COLUMNS.items():
+def _page_of_case(row: SweepRow, folder: Path | None) -> str:
+    """The page of a case relative to the folder of the sweep; "" if there is none."""
+    if folder is None or not row.file:
+        return ""
+    page = PurePosixPath(row.file).with_name(REPORT_FILE)
+    return str(page) if (folder / page).exists() else ""
+
+
+def _shown_columns(view: SweepView) -> tuple[str, ...]:
+    """Columns with a value; those of slow sweeps only if one of them does not reach the highest peak."""
+    peak = view.number("peak_amplitude_m")
+    shown = []
+    for name in _COLUMNS:
+        numbers = view.number(name)
+        repeats = name in _SLOW_SWEEPS and not (np.abs(numbers - peak) > SAME_PEAK * peak).any()
+        if not np.isnan(numbers).all() and not repeats:
+            shown.append(name)
+    return tuple(shown)
+
+
+def _table_row(view: SweepView, place: int, columns: tuple[str, ...], page: str) -> _Row:
+    row, positions = view.table.rows[place], view.positions[place]
+    cells = [value_words(key, positions[i]) for i, key in enumerate(view.table.keys)]
+    for name in columns:
+        _, factor, unit = _COLUMNS[name]
         value = row.measures.get(name, math.nan)
         cells.append("–" if math.isnan(value) else shown_number(factor * value, unit))
-    remark = peak_remark(row)
-    return _Row(
-        cells,
-        remark,
-        row.warnings,
-        str(PurePosixPath(row.file).with_name(REPORT_FILE)) if row.file.startswith("cases/") else "",
-    )
+    return _Row(cells, peak_remark(row), row.warnings, page)

@@ -11,11 +11,16 @@ from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
 from stickslip.core.validation import FloatArray
+from stickslip.reporting.style import number
 from stickslip.results.peaks import caution
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
 
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, INK)
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
+MARKS = ("circle", "square", "diamond", "cross", "x", "pentagon", "hexagon")
+# Cividis without its palest end, which is invisible on white paper.
+SCALE = ((0.0, "#00224e"), (0.25, "#35456c"), (0.5, "#666970"), (0.75, "#948e77"), (1.0, "#c8b866"))
+_FACTOR = 8.0  # chosen: two values that differ by more are on a logarithmic axis
 LOAD_KEY = "preload.centrifugal_force"
 
 
@@ -55,15 +60,16 @@ class SweepView:
 
     @cached_property
     def positions(self) -> NDArray[np.int64]:
-        """(n_rows, n_keys) number of each row's value among the values of the key."""
-        sizes = [len(key.values) for key in self.table.keys]
-        return np.stack(np.unravel_index(np.arange(len(self.table.rows)), sizes), axis=1)
+        """(n_rows, n_keys) position of each row's value in the values of the key; some combinations may have no row."""
+        places = [{value: place for place, value in enumerate(key.values)} for key in self.table.keys]
+        rows = [[place[value] for place, value in zip(places, row.values, strict=True)] for row in self.table.rows]
+        return np.array(rows, dtype=np.int64).reshape(len(rows), len(places))
 
     def label(self, row: int, without: tuple[int, ...] = ()) -> str:
         """Words for a row: each key's last name and value, without some keys."""
         positions = self.positions[row]
         return ", ".join(
-            f"{short_name(key)} {key.labels[positions[place]]}"
+            f"{short_name(key)} {value_words(key, positions[place])}"
             for place, key in enumerate(self.table.keys)
             if place not in without
         )
@@ -73,8 +79,8 @@ class SweepView:
         positions = self.positions
         others = [place for place in range(len(self.table.keys)) if place not in places]
         _, first, member_of = np.unique(positions[:, others], axis=0, return_index=True, return_inverse=True)
-        for number, row in enumerate(first):
-            members = np.flatnonzero(member_of.ravel() == number)
+        for group, row in enumerate(first):
+            members = np.flatnonzero(member_of.ravel() == group)
             order = np.lexsort([_rank(self.table.keys[place])[positions[members, place]] for place in reversed(places)])
             yield Group(self.label(int(row), places), members[order])
 
@@ -91,6 +97,13 @@ def peak_remark(row: SweepRow) -> str:
     return " ".join(filter(None, [f"Peak: {note}." if note else "", failure]))
 
 
+def value_words(key: SweptKey, position: int) -> str:
+    """A value of a key with its unit, as pages write numbers."""
+    if key.is_choice:
+        return key.labels[position]
+    return f"{number(key.shown[position], 6)} {key.shown_unit}".rstrip()
+
+
 def short_name(key: SweptKey) -> str:
     """Last part of the name of a key, in words."""
     return key.name.split(".", 1)[1].replace(".", " ").replace("_", " ")
@@ -104,7 +117,9 @@ def axis_title(key: SweptKey) -> str:
 def is_logarithmic(values: FloatArray) -> bool:
     """Whether values are spaced by a factor rather than by a step."""
     ordered = np.unique(values)
-    if ordered.size < 3 or ordered[0] <= 0:
+    if ordered.size < 2 or ordered[0] <= 0:
         return False
+    if ordered.size == 2:
+        return bool(ordered[1] / ordered[0] > _FACTOR)
     steps, factors = np.diff(ordered), np.diff(np.log(ordered))
     return bool(steps.std() / steps.mean() > 2.0 * factors.std() / factors.mean() + 1e-3)

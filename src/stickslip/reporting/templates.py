@@ -43,6 +43,14 @@ class Tile:
     more: str = ""
 
 
+@dataclass(frozen=True)
+class StudyText:
+    """The study file of a page, and the lines "section.key = value" of the keys that differ from their defaults."""
+
+    text: str
+    changed: Sequence[str] = ()
+
+
 def asset(name: str, package: str = OWN_PACKAGE) -> str:
     """Text of a file of the assets of a package."""
     return (files(package) / "assets" / name).read_text(encoding="utf-8")

@@ -15,6 +15,7 @@ from stickslip import __version__
 from stickslip.core.errors import InputError
 from stickslip.core.plain_data import dotted, plain
 from stickslip.core.validation import FloatArray, finite_array
+from stickslip.results.disk import Disk
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
@@ -77,6 +78,8 @@ class StudyRecord(Labelled):
         data for a picture of the structure; None for matrices without a mesh, and for the cases of a sweep.
     stress:
         the stress at the peak; None for matrices without a mesh, and if it was not computed.
+    disk:
+        natural frequencies of a disk of which one sector was solved; None for any other structure.
     rough_patch:
         heights of a rough face for a picture, or None; the cases of a sweep have none.
 
@@ -132,6 +135,7 @@ class StudyRecord(Labelled):
     warnings: tuple[str, ...] = field(default=(), metadata=stored(Json(list[str], "warnings of the study, JSON list")))
     sketch: Sketch | None = field(default=None, metadata=stored(InGroup.of(Sketch, optional=True)))
     stress: StressSummary | None = field(default=None, metadata=stored(InGroup.of(StressSummary, optional=True)))
+    disk: Disk | None = field(default=None, metadata=stored(InGroup.of(Disk, optional=True)))
     rough_patch: RoughPatch | None = field(
         default=None, metadata=stored(Embedded(RoughPatch, name="rough_height", optional=True))
     )

@@ -23,13 +23,15 @@ from stickslip.core.errors import StickslipError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.peaks import Peak
+from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
-from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.harmonic.linear import Limit, LinearLimit
 from stickslip.solve.linear_mode import LinearMode
 from stickslip.solve.quasi_static_mode import unreported_static_mode
-from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
+from stickslip.solve.setting_up import Balances, CurveBalances, StageReport, prepare_balances
+from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.superelement import Superelement
 
 # chosen: fraction of the pairs that count as nearly all; the last ones often stick at any force, where nothing moves.
@@ -117,18 +119,58 @@ def slip_onset(
     return SlipOnset(stuck, free, first, nearly_all, trouble)
 
 
-def _window(limits: tuple[LinearLimit, LinearLimit]) -> tuple[float, float]:
+def sector_slip_onset(
+    sector: CyclicSector,
+    pairs: ContactPairs,
+    excitation: Excitation,
+    output: ArrayLike,
+    *,
+    modal_damping_ratio: float | None = None,
+    highest_hz: float | None = None,
+) -> SlipOnset:
+    """As :func:`slip_onset`, of an output (2n,) of a sector of a disk under a travelling wave.
+
+    The excitation at which nearly all pairs slip is not computed. Raises InputError.
+    """
+    row = finite_array("output", output)
+    highest = highest_hz or max(float(sector.natural_frequencies(each, MODES)[-1]) for each in sector.diameters)
+    given = CurveInput(
+        pairs,
+        excitation,
+        2.0 * math.pi * highest,
+        excitation.harmonics,
+        True,
+        _SAMPLES,
+        modal_damping_ratio,
+        "tractrix",
+    )
+    balances = curve_structure(sector).balances(given, StageReport(None).stage)
+    window = _window((balances.closed, balances.free))
+    stuck, free = (
+        next((each for each in limit.peaks(window, balances.force, row) if each.bracketed), None)
+        for limit in (balances.closed, balances.free)
+    )
+    if stuck is None:
+        return SlipOnset(stuck, free, None, None, "there is no stuck peak among the first modes.")
+    first = float(_slip_begins(balances, stuck).min(initial=math.inf))
+    if not math.isfinite(first):
+        return SlipOnset(stuck, free, None, None, "no pair with Coulomb friction moves at the stuck peak.")
+    trouble = "for a sector of a disk, the excitation at which nearly all pairs slip is not computed."
+    return SlipOnset(stuck, free, first, None, trouble)
+
+
+def _window(limits: tuple[Limit, Limit]) -> tuple[float, float]:
     """Hz, of the first modes with stuck contacts and without contact."""
     elastic = [each for limit in limits if (each := limit.natural_hz[~limit.rigid]).size]
     return BELOW * min(float(each[0]) for each in elastic), BEYOND * max(float(each[:MODES][-1]) for each in elastic)
 
 
-def _slip_begins(balances: Balances, peak: Peak) -> FloatArray:
+def _slip_begins(balances: CurveBalances, peak: Peak) -> FloatArray:
     """(n,) motion over that of a stuck peak at which each pair begins to slip; infinite for a pair that does not move.
 
     Coulomb pairs that are closed at rest count.
     """
-    pairs, omega = balances.pairs, 2.0 * math.pi * peak.frequency_hz
+    pairs, omega = balances.shown_pairs, 2.0 * math.pi * peak.frequency_hz
     motion = balances.closed.response_to(np.array([omega]), balances.force)[0]
     relative = (pairs.operator @ motion).reshape(pairs.n_pairs, 3, -1)
     counts = np.flatnonzero((pairs.normal_load > 0.0) & ~np.isnan(pairs.friction_coefficient))

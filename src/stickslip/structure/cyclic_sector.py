@@ -46,17 +46,17 @@ class PairsOfNodes(Protocol):
 @dataclass(frozen=True)
 class LaggedMatrices:
     """Dense Hermitian matrices (n, n) of a sector for one nodal diameter in SI units; real if its lag is 0 or half a
-    turn. ``damping`` may be None."""
+    turn. ``damping`` may be None; ``modes`` (n_interior, n_modes) are the fixed-interface modes of a reduction."""
 
     mass: Matrix
     stiffness: Matrix
     damping: Matrix | None = None
+    modes: Matrix | None = None
 
     def conjugate(self) -> LaggedMatrices:
         """The matrices of the wave that travels in the other direction."""
-        return LaggedMatrices(
-            self.mass.conj(), self.stiffness.conj(), None if self.damping is None else self.damping.conj()
-        )
+        damping, modes = (None if each is None else each.conj() for each in (self.damping, self.modes))
+        return LaggedMatrices(self.mass.conj(), self.stiffness.conj(), damping, modes)
 
 
 @dataclass(frozen=True)
@@ -196,6 +196,10 @@ class CyclicSector:
             for diameter, each in self.diameters.items()
         }
         return replace(self, diameters=damped)
+
+    def without_modes(self) -> CyclicSector:
+        """Without the fixed-interface modes, which only the motion of the mesh requires."""
+        return replace(self, diameters={key: replace(each, modes=None) for key, each in self.diameters.items()})
 
     def lagged(self, waves: int) -> LaggedMatrices:
         """The matrices with the lag ``+2 pi waves / N`` to the next sector, for any whole number of waves.

@@ -15,15 +15,13 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import (
     FloatArray,
     argument_error,
-    positive_number,
-    real_number,
-    require_allowed,
     require_choice,
 )
 from stickslip.structure.constraints import Constraints
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.incompatible_brick import incompatible_stiffness
 from stickslip.structure.lanczos import eigenpairs_near
+from stickslip.structure.material import Material as Material
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import compatible_stiffness, consistent_mass
 
@@ -33,54 +31,6 @@ Hexahedron = Literal["incompatible", "trilinear"]
 # Cells are processed in groups, so that the temporary arrays of fine 20-node meshes stay below about 100 MB.
 _CELLS_AT_ONCE = 2000
 _EQUAL = 1e-6  # relative difference of components of a mode that are equal by symmetry
-
-
-def require_strengths(fatigue_limit: float | None, tensile_strength: float | None) -> None:
-    """Raise InputError for a fatigue limit above the tensile strength; either may be absent."""
-    if fatigue_limit is not None and tensile_strength is not None and fatigue_limit > tensile_strength:
-        raise InputError(
-            f"fatigue_limit is {1e-6 * fatigue_limit:g} MPa, but tensile_strength is only "
-            f"{1e-6 * tensile_strength:g} MPa; no material endures more than its "
-            "strength. Steels have about half of it.",
-            ("fatigue_limit",),
-        )
-
-
-@dataclass(frozen=True)
-class Material:
-    """Isotropic material: Young's modulus in Pa, Poisson's ratio, density in kg/m3.
-
-    The defaults are a blade steel, those of the default two-blade study. ``fatigue_limit`` is the alternating stress
-    that the material endures without mean stress (0-to-peak), ``tensile_strength`` its ultimate strength, in Pa; only a
-    Goodman check uses them, and it requires both.
-
-    Raises InputError unless modulus, density and strengths are above 0, the ratio lies in (-1, 0.5), and the fatigue
-    limit is not above the strength.
-    """
-
-    young_modulus: float = 197.0e9
-    poisson_ratio: float = 0.3
-    density: float = 7800.0
-    fatigue_limit: float | None = None
-    tensile_strength: float | None = None
-
-    def __post_init__(self) -> None:
-        for name, unit in (("young_modulus", "Pa"), ("density", "kg/m3")):
-            positive_number(name, getattr(self, name), unit)
-        for name in ("fatigue_limit", "tensile_strength"):
-            if getattr(self, name) is not None:
-                positive_number(name, getattr(self, name), "Pa")
-        require_strengths(self.fatigue_limit, self.tensile_strength)
-        ratio = real_number("poisson_ratio", self.poisson_ratio)
-        require_allowed("poisson_ratio", ratio, -1.0 < ratio < 0.5, "between -1 and 0.5 (metals: about 0.3)")
-
-    def elastic_matrix(self) -> FloatArray:
-        """(6, 6) Pa, from strain xx, yy, zz, xy, yz, zx (engineering shear) to stress."""
-        shear = self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
-        lame = 2.0 * shear * self.poisson_ratio / (1.0 - 2.0 * self.poisson_ratio)
-        matrix = np.diag([2.0 * shear] * 3 + [shear] * 3)
-        matrix[:3, :3] += lame
-        return matrix
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,9 @@ def cyclic_symmetry(
         except InputError as error:
             reasons.append(str(error))
     if len(answers) > 1:
+        # Half a turn about the line in the middle between two plane boundaries maps them on each other too.
+        answers = [each for each in answers if each.sectors > 2] or answers
+    if len(answers) > 1:
         raise InputError(
             "axis is not given, and a rotation about more than one of the axes x, y, z maps the left boundary on the "
             "right one. Give axis.",
@@ -72,7 +75,7 @@ def cyclic_symmetry(
         raise InputError(
             "axis is not given, and no rotation about the axes x, y or z through the origin maps the left boundary on "
             f"the right one. About z: {reasons[2]} For another axis give a point and a direction.",
-            arguments=["axis", "left", "right"],
+            arguments=["axis", "left", "right", *(() if sectors is None else ("sectors",))],
         )
     return answers[0]
 

@@ -114,7 +114,7 @@ def _hermitian(part: ReducedMatrices) -> LaggedMatrices:
         return np.asarray(0.5 * (matrix + matrix.conj().T))
 
     damping = None if part.damping is None else mended(part.damping)
-    return LaggedMatrices(mended(part.mass), mended(part.stiffness), damping)
+    return LaggedMatrices(mended(part.mass), mended(part.stiffness), damping, part.modes)
 
 
 def _share(report: ProgressCallback, place: int, count: int, diameter: int) -> Callable[[float, str], None]:

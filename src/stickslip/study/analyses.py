@@ -52,7 +52,7 @@ def forced_curve(
         largest_step=settings.largest_step, smallest_step=settings.smallest_step, first_step=settings.first_step
     )
     response = unreported_response(
-        model.superelement,
+        model.substructure,
         model.pairs,
         model.excitation,
         frequency_hz=(settings.frequency_start, settings.frequency_stop),

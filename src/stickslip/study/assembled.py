@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from stickslip.case.case import Case
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Setup
-from stickslip.model.model import load_joint, set_up
-from stickslip.structure.elasticity import Structure
-from stickslip.structure.superelement import Superelement
+from stickslip.model.model import AnyStructure, load_joint, set_up
 from stickslip.study.mode import require_mode
 
 
@@ -19,7 +17,7 @@ class Assembled:
 
     setup: Setup
     joint: Joint
-    structure: Structure | Superelement
+    structure: AnyStructure
 
     @classmethod
     def of(cls, case: Case) -> Assembled:

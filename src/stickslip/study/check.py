@@ -11,12 +11,14 @@ from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis
 from stickslip.case.case import Case, TwoBladeCase
 from stickslip.case.load import has_range
 from stickslip.core.plausible import suspecting
+from stickslip.core.validation import FloatArray
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Layout
-from stickslip.model.model import kind_of
+from stickslip.model.model import AnyStructure, kind_of
 from stickslip.results.measures import hertz
-from stickslip.structure.elasticity import Structure
+from stickslip.structure.cyclic_sector import folded
 from stickslip.structure.joined import joined_modes
+from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.superelement import Superelement
 from stickslip.study.assembled import Assembled
 from stickslip.study.facts import (
@@ -48,8 +50,7 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
     ]
     solver = case.solver
     with suspecting(odd_values(case, setup.layout)):
-        count = min(SHOWN_FREQUENCIES, structure.stiffness.shape[0] - 1)
-        stuck_hz, _ = joined_modes(structure, joint.face_pairs, count, joint.resting_springs)
+        stuck_hz = _stuck_frequencies(case, structure, joint)
     solved = case.preload.method == "solved"
     constraint = "" if joint.closed_at_rest.all() else " (pairs without a gap)" if solved else f" {CLOSED_AT_REST}"
     sections = [
@@ -98,6 +99,17 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
     if warnings:
         sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
     return sections
+
+
+def _stuck_frequencies(case: Case, structure: AnyStructure, joint: Joint) -> FloatArray:
+    """Hz, the lowest natural frequencies with contact stuck; of a disk those that the engine order excites."""
+    wave, springs = kind_of(case).wave(case), joint.resting_springs
+    if isinstance(structure, SectorStructure) and wave is not None:
+        diameter = folded(wave.waves(1), structure.symmetry.sectors)
+        return structure.stuck_frequencies(joint.face_pairs, springs, diameter, SHOWN_FREQUENCIES)
+    assert not isinstance(structure, SectorStructure)  # its kind has a wave
+    count = min(SHOWN_FREQUENCIES, structure.stiffness.shape[0] - 1)
+    return joined_modes(structure, joint.face_pairs, count, springs)[0]
 
 
 def _range_words(case: Case) -> str:
@@ -150,11 +162,11 @@ def _wear(case: Case, joint: Joint) -> Iterator[tuple[str, str]]:
         yield "wear", f"{analysis.wear_cycles:.4g} cycles {motion}, {1e9 * alpha:.3g} mm^3/J"
 
 
-def _is_undamped(case: Case, structure: Structure | Superelement) -> bool:
+def _is_undamped(case: Case, structure: AnyStructure) -> bool:
     """Whether neither the study nor the matrix files have any damping."""
     section = case.damping
     given = (section.modal_damping_ratio, section.rayleigh_alpha, section.rayleigh_beta)
-    return not any(given) and (isinstance(structure, Structure) or structure.damping is None)
+    return not any(given) and (not isinstance(structure, Superelement) or structure.damping is None)
 
 
 def _short(value: str | float | int) -> str:

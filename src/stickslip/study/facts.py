@@ -16,12 +16,12 @@ from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Derived, Setup
-from stickslip.model.model import kind_of
+from stickslip.model.model import AnyStructure, kind_of
 from stickslip.model.rough_face import RoughFace, fractal_roughness_of
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.static.state import StaticState
-from stickslip.structure.elasticity import Structure
+from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.superelement import Superelement
 from stickslip.study.mode import reduced_unknowns
 
@@ -228,7 +228,7 @@ def _rows_of_pairs(pairs: FacePairs) -> Iterator[tuple[str, str]]:
         yield "rows of pairs", " and ".join(f"{one} by {other}" for one, other in counts) + f" on a face{note}"
 
 
-def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:
+def sizes(case: Case, setup: Setup, structure: AnyStructure, joint: Joint) -> tuple[tuple[str, str], ...]:
     """Sizes of the model: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
     pairs, faces = joint.face_pairs, len(joint.face_names)
     harmonics = case.solver.harmonics
@@ -238,8 +238,9 @@ def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: 
         unknowns = [("unknowns", f"{structure.size}")]
     else:
         boundary, modes = reduced_unknowns(case, structure, joint)
+        full = structure.model.remaining if isinstance(structure, SectorStructure) else structure.free_unknowns
         unknowns = [
-            ("unknowns of the full model", f"{structure.stiffness.shape[0]} free of {3 * structure.mesh.n_nodes}"),
+            ("unknowns of the full model", f"{full.size} free of {3 * structure.mesh.n_nodes}"),
             ("unknowns after reduction", f"{boundary + modes} ({boundary} of boundary nodes, {modes} modes)"),
         ]
     return (

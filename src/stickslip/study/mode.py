@@ -6,18 +6,18 @@ from stickslip.case.analysis import ModeAnalysis
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
 from stickslip.model.joint import Joint
-from stickslip.structure.elasticity import Structure
+from stickslip.model.model import AnyStructure
 from stickslip.structure.superelement import Superelement
 
 
-def reduced_unknowns(case: Case, structure: Structure | Superelement, joint: Joint) -> tuple[int, int]:
+def reduced_unknowns(case: Case, structure: AnyStructure, joint: Joint) -> tuple[int, int]:
     """Unknowns of boundary nodes, and modes with fixed boundary, of the reduced structure; matrices have no modes."""
     if isinstance(structure, Superelement):
         return structure.size, 0
     return 3 * joint.layout.boundary_nodes.size, case.reduction.modes
 
 
-def require_mode(case: Case, structure: Structure | Superelement, joint: Joint) -> None:
+def require_mode(case: Case, structure: AnyStructure, joint: Joint) -> None:
     """Raise InputError for a mode above the number of unknowns of the reduced structure.
 
     Rigid bodies are no modes either: a run that knows their number rejects the last few numbers before its curve.

@@ -45,7 +45,7 @@ def require_places(out: Path) -> None:
 def require_space_for(case: Case, model: Model, out: Path) -> None:
     """Raise OutputError unless the disk has space for the estimated size of all files of a run of this model."""
     coefficients = 2 * (case.solver.harmonics or _HARMONICS) + 1
-    results = _BYTES * _POINTS * model.superelement.size * coefficients
+    results = _BYTES * _POINTS * model.pairs.operator.shape[1] * coefficients
     fields = case.output.mode_shapes + case.output.deflected_shape_frames
     fields += _STRESS_FIELDS if case.output.stress else 0
     nodes = 0 if isinstance(model.structure, Superelement) else model.structure.mesh.n_nodes

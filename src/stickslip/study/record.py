@@ -17,7 +17,7 @@ from stickslip.core.errors import ConvergenceError, StudyFileError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Derived
-from stickslip.model.model import ReducedModel, kind_of
+from stickslip.model.model import AnyStructure, ReducedModel, Substructure, kind_of
 from stickslip.results.record import ModeRow, StudyRecord, Value, model_frequency, reference_deviation
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
@@ -113,16 +113,17 @@ def with_other_tractions(
 
 
 def compare_modes(
-    structure: Structure | Superelement, superelement: Superelement, pairs: FacePairs, springs: FloatArray | None = None
+    structure: AnyStructure, superelement: Substructure, pairs: FacePairs, springs: FloatArray | None = None
 ) -> tuple[ReductionRow, ...]:
     """Frequencies of the full and the reduced model, with the contact of :func:`contact_of_modes`.
 
     ``springs`` (3 * n_pairs,) N/m are 0 where a pair is open at rest; None means that all pairs are closed. Empty for a
-    structure from matrices, and for pairs that are not tied without ``springs``.
+    structure from matrices, a sector of a disk, and for pairs that are not tied without ``springs``.
     """
     is_tied = contact_of_modes(pairs, springs is None or bool(springs.all())) == TIED
-    if isinstance(structure, Superelement) or not (is_tied or springs is not None):
+    if not isinstance(structure, Structure) or not (is_tied or springs is not None):
         return ()
+    assert isinstance(superelement, Superelement)  # that of a structure
     return reduction_table(structure, superelement, pairs, count=MODE_COUNT, springs=None if is_tied else springs)
 
 
@@ -145,8 +146,9 @@ def _mode_rows(table: tuple[ReductionRow, ...]) -> Iterator[dict[str, Value]]:
             "full_hz": row.full_hz,
             "reduced_hz": row.reduced_hz,
         }
-        if not math.isnan(row.difference_percent):  # it is for a body that moves freely
-            cells |= {"difference_percent": row.difference_percent, "mac": row.mac}
+        # Neither is a number for a body that moves freely; a sector has no modes of the full model.
+        others = {"difference_percent": row.difference_percent, "mac": row.mac}
+        cells |= {name: value for name, value in others.items() if not math.isnan(value)}
         yield cells
 
 

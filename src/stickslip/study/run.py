@@ -21,6 +21,7 @@ from stickslip.results.measures import summary, summary_table
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
+from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
 from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
@@ -133,13 +134,16 @@ def _page(out: Path, response: ForcedResponse, record: StudyRecord) -> Path:
 
 
 def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> Iterator[Path]:
-    """Mode shapes with the pairs closed at rest stuck, and one period of the mesh at the peak, for ParaView."""
+    """Mode shapes with the pairs closed at rest stuck, and one period of the mesh at the peak, for ParaView.
+
+    Of a disk it is one period of its first sector, without mode shapes.
+    """
     from stickslip.structure.export import write_deflected_period, write_mode_shapes
 
     if isinstance(model.structure, Superelement) or motion is None:
         return  # matrices without a mesh
     mesh, count = model.structure.mesh, case.output.mode_shapes
-    if count:
+    if count and isinstance(model.structure, Structure):
         springs = model.pairs.resting_stiffness()
         frequency_hz, modes = joined_modes(model.superelement, model.joint.face_pairs, count, springs)
         yield write_mode_shapes(out / MODES_FILE, mesh, modes, frequency_hz)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +19,8 @@ from stickslip.results.stress import SurfaceStress
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.outer_surface import coarsened, outer_surface
+from stickslip.structure.superelement import Superelement
+from stickslip.study.disk import DiskOfStudy
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -39,26 +41,44 @@ class MeshMotion:
     frequency_hz: float
 
 
-def motion_at_peak(model: Model, response: ForcedResponse) -> MeshMotion | None:
-    """Motion of the mesh at the highest point of the curve of the first response; None for matrices without a mesh."""
-    if not isinstance(model.structure, Structure):
+def motion_at_peak(model: Model, response: ForcedResponse, disk: DiskOfStudy | None = None) -> MeshMotion | None:
+    """Motion of the mesh at the highest point of the curve of the first response; None for matrices without a mesh.
+
+    Of a ``disk`` it is that of its first sector.
+    """
+    if isinstance(model.structure, Superelement):
         return None
     point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))), response.part)[0].point
-    displacement = model.superelement.recovery @ response.displacement[point]
+    reduced = response.displacement[point]
+    displacement = model.superelement.recovery @ reduced if disk is None else disk.sector_motion(reduced)
     return MeshMotion(displacement, float(response.frequency_hz[point]))
 
 
 def sketch_of(
-    case: Case, model: Model, motion: MeshMotion | None, stress: StressOfNodes | None = None
+    case: Case,
+    model: Model,
+    motion: MeshMotion | None,
+    stress: StressOfNodes | None = None,
+    disk: DiskOfStudy | None = None,
 ) -> Sketch | None:
-    """The sketch of a study, with its ``motion`` and ``stress``; None for matrices without a shape."""
-    if not isinstance(model.structure, Structure):
+    """The sketch of a study, with its ``motion`` and ``stress``; None for matrices without a shape.
+
+    A ``disk`` is shown with all sectors, in which the motion of the first one arrives one after the other.
+    """
+    kind, structure, layout = kind_of(case), model.structure, model.joint.layout
+    if disk is not None:
+        mesh, layout = disk.ring.mesh, disk.ring_layout(layout)
+        motion = motion and replace(motion, displacement=disk.ring_motion(motion.displacement))
+        nodes = disk.ring.number[:, np.unique(disk.structure.structure.fixed_unknowns // 3)].ravel()
+        constrained = (3 * nodes[:, None] + np.arange(3)).ravel()
+    elif isinstance(structure, Structure):
+        mesh, constrained = structure.mesh, structure.fixed_unknowns
+    else:
         return None
-    kind, structure = kind_of(case), model.structure
     return make_sketch(
-        structure.mesh,
-        model.joint.layout,
-        structure.fixed_unknowns,
+        mesh,
+        layout,
+        constrained,
         kind.forces(case),
         kind.static_forces(case),
         kind.outputs(case)[0],

@@ -9,6 +9,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from stickslip.case.case import Case
+from stickslip.case.reference import MODE_COUNT
 from stickslip.core.completeness import Ended, reported
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
@@ -19,11 +20,12 @@ from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import solve
 from stickslip.study.assembled import Assembled
+from stickslip.study.disk import DiskOfStudy
 from stickslip.study.gradients import with_gradients
 from stickslip.study.record import compare_modes, study_record, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
 from stickslip.study.stress import StressAtPeak, stress_at_peak
-from stickslip.study.stress_summary import NO_MESH, stress_summary, surface_stress
+from stickslip.study.stress_summary import NO_MESH, NO_SECTOR_STRESS, stress_summary, surface_stress
 
 
 @dataclass(frozen=True)
@@ -119,22 +121,29 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
     """Solve a model and collect the data for its report."""
     progress.update("Structure", 0.8, "full against reduced frequencies")
     pairs = model.joint.face_pairs
-    table = compare_modes(model.structure, model.superelement, pairs, model.pairs.resting_stiffness())
-    progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
+    disk = DiskOfStudy.of(case, model)
+    if disk is None:
+        table = compare_modes(model.structure, model.superelement, pairs, model.pairs.resting_stiffness())
+    else:
+        table = disk.mode_rows(MODE_COUNT)
+    progress.update("Structure", 1.0, f"{model.substructure.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)
     if case.analysis.gradients:
         response = with_gradients(case, model, response, progress, threads)
     record = study_record(case, model, table, response)
     other = with_other_tractions(case, model, response, progress, threads)
-    motion = motion_at_peak(model, response)
+    motion = motion_at_peak(model, response, disk)
     progress.update("Stress", 0.0, "at the peak")
     stress, surface = stress_at_peak(case, model, response), None
     progress.update("Stress", 1.0, "none" if stress is None else f"{len(stress.nodal.node)} nodes")
     if stress is not None:
         record = replace(record, stress=stress_summary(case, model, response, stress))
         surface = partial(surface_stress, stress)
+    elif disk is not None and case.output.stress:
+        other = (*other, NO_SECTOR_STRESS)
     elif isinstance(model.structure, Superelement) and case.output.stress:
         other = (*other, NO_MESH)
-    sketch = sketch_of(case, model, motion, surface)
-    record = replace(record, derived=(*record.derived, *other), sketch=sketch)
+    sketch = sketch_of(case, model, motion, surface, disk)
+    frequencies = None if disk is None else disk.frequencies()
+    record = replace(record, derived=(*record.derived, *other), sketch=sketch, disk=frequencies)
     return Solution(case, response, model, record, motion, stress)

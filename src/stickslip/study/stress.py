@@ -61,10 +61,13 @@ class StressAtPeak:
 def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> StressAtPeak | None:
     """The stress at the highest point of the curve of the first response.
 
-    None for matrices without a mesh, and for a case with ``output.stress = false``.
+    None for matrices without a mesh, a sector of a disk, and for a case with ``output.stress = false``.
     """
-    structure, recovery = model.structure, model.superelement.recovery
-    if not case.output.stress or not isinstance(structure, Structure) or not isinstance(recovery, Recovery):
+    structure = model.structure
+    if not case.output.stress or not isinstance(structure, Structure):
+        return None
+    recovery = model.superelement.recovery
+    if not isinstance(recovery, Recovery):
         return None
     point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))), response.part)[0].point
     loads = _FullLoads(case, model.joint.layout, structure.full_size)

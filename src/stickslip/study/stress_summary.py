@@ -21,6 +21,7 @@ LARGEST_VON_MISES, RANGE_OF_VON_MISES = "largest von Mises stress", "range of vo
 ALTERNATING = "alternating stress"
 SAFETY = "safety factor"
 # Row of the derived quantities of matrices.
+NO_SECTOR_STRESS = ("Stress at the peak", "none", "-", "it is not computed for a sector of a disk")
 NO_MESH = ("Stress at the peak", "none", "-", "matrices have no mesh, and therefore no stress")
 NO_STRENGTHS = (
     "No material has both fatigue_limit and tensile_strength, so there is no Goodman check. Give both in [material] or "

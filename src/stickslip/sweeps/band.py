@@ -18,6 +18,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray, whole_number
 from stickslip.reporting.band_page import write_band_page
+from stickslip.reporting.templates import StudyText
 from stickslip.results.band import Limit, TractionRange, limit_of
 from stickslip.results.band_statistics import BandStatistics
 from stickslip.results.record import run_provenance
@@ -166,5 +167,7 @@ def _written(folder: Path, case: Case, statistics: BandStatistics) -> tuple[Path
     files = tuple(folder / name for name in (TABLE_FILE, DATASET_FILE, PAGE_FILE))
     statistics.table.to_csv(files[0])
     statistics.to_netcdf(files[1])
-    write_band_page(files[2], statistics, case.study.title, case.to_text(), run_provenance())
+    write_band_page(
+        files[2], statistics, case.study.title, StudyText(case.to_text(), case.changed_keys()), run_provenance()
+    )
     return files

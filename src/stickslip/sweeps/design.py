@@ -15,6 +15,7 @@ from stickslip.core.files import whole_file
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import usable_cores
 from stickslip.core.validation import whole_number
+from stickslip.reporting.templates import StudyText
 from stickslip.results.band import Limit, limit_of
 from stickslip.results.design import (
     DESIGN_MEASURES,
@@ -222,5 +223,7 @@ def _written(folder: Path, case: Case, result: Design) -> Design:
     else:
         (folder / OPTIMUM_FILE).unlink(missing_ok=True)  # of an earlier design with other limits
     files.append(folder / PAGE_FILE)
-    write_design_page(files[-1], result, case.study.title, case.to_text(), run_provenance())
+    write_design_page(
+        files[-1], result, case.study.title, StudyText(case.to_text(), case.changed_keys()), run_provenance()
+    )
     return replace(result, files=tuple(files))

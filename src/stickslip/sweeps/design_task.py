@@ -13,16 +13,14 @@ from stickslip.case.case import Case
 from stickslip.case.continuous_keys import continuous_keys
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.model.layout import Setup
-from stickslip.model.model import Model, ReducedStructure, connect, load_joint, reduce_structure, set_up
+from stickslip.model.model import AnyStructure, Model, ReducedStructure, connect, load_joint, reduce_structure, set_up
 from stickslip.model.parameters import case_parameters
 from stickslip.results.design import ALTERNATING_STRESS, STRESS, STRESSES
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import curve_and_measures
-from stickslip.structure.elasticity import Structure
 from stickslip.structure.stress_cycle import stress_cycle
-from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import solve
 from stickslip.study.gradients import gradients_of_peak
 from stickslip.study.record import study_record
@@ -36,7 +34,7 @@ from stickslip.sweeps.work import CASE_KEY, CaseOutcome
 # chosen: peaks below this fraction of the highest one are far from becoming the highest within a step.
 HIGH_FRACTION, MOST_PEAKS = 0.7, 3
 _STORED_STRUCTURES = 2  # chosen: of a worker; the joint alone changes between most designs, or the structure each time
-_structures: dict[str, tuple[Setup, Structure | Superelement, ReducedStructure]] = {}
+_structures: dict[str, tuple[Setup, AnyStructure, ReducedStructure]] = {}
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,8 @@ from stickslip.core.errors import ResultsFileError
 from stickslip.core.files import remove_abandoned, require_disk_space, require_folder, whole_file, write_solved
 from stickslip.core.seal import require_seal, seal
 from stickslip.results.sweep_table import SweepCurve
-from stickslip.study.places import CASES_FOLDER, RESULTS_FILE
-from stickslip.sweeps.plan import PlannedCase
+from stickslip.study.places import CASES_FOLDER, REPORT_FILE, RESULTS_FILE
+from stickslip.sweeps.plan import KEY_DIGITS, PlannedCase
 from stickslip.sweeps.work import CaseOutcome
 
 FAILED_FILE = "failed.json"
@@ -44,6 +44,10 @@ class SweepFolder:
         require_folder(self.path, files, folders=(CASES_FOLDER,))
         require_disk_space(self.path, SPACE_BYTES, SPACE_BYTES)
 
+    def folder_names(self) -> dict[str, str]:
+        """First digits of the key of a case -> name of its folder, for all cases in the folder."""
+        return {each.name[-KEY_DIGITS:]: each.name for each in (self.path / CASES_FOLDER).glob("*") if each.is_dir()}
+
     def results_file(self, planned: PlannedCase) -> Path:
         """The results file of a case, whether or not it exists."""
         return self.path / CASES_FOLDER / planned.name / RESULTS_FILE
@@ -57,12 +61,12 @@ class SweepFolder:
         results = self.results_file(planned)
         _make(results.parent)
         if not outcome.file:
-            _write_sealed(results.with_name(FAILED_FILE), planned.key, {"message": outcome.message})
+            write_sealed(results.with_name(FAILED_FILE), planned.key, {"message": outcome.message})
             return
         # The row before the results: then results always have a row, even after a kill between the two.
-        _write_sealed(results.with_name(ROW_FILE), planned.key, _row(outcome))
+        write_sealed(results.with_name(ROW_FILE), planned.key, _row(outcome))
         write_solved(results, outcome.file, "results", ResultsFileError, then="start the same sweep again")
-        for old_file in (FAILED_FILE, TRACEBACK_FILE):
+        for old_file in (FAILED_FILE, TRACEBACK_FILE, REPORT_FILE):
             results.with_name(old_file).unlink(missing_ok=True)
 
     def store_traceback(self, planned: PlannedCase, error: BaseException) -> Path:
@@ -75,14 +79,18 @@ class SweepFolder:
 
     def finished(self, planned: PlannedCase) -> tuple[CaseOutcome | None, str]:
         """The outcome of an earlier sweep for these inputs and this version, or None; and a message on a wrong file."""
-        results = self.results_file(planned)
+        return self.stored(planned.name, planned.key)
+
+    def stored(self, name: str, key: str) -> tuple[CaseOutcome | None, str]:
+        """The same for the name and the key of a case."""
+        results = self.path / CASES_FOLDER / name / RESULTS_FILE
         remove_abandoned(results.parent)
         row, failed = results.with_name(ROW_FILE), results.with_name(FAILED_FILE)
         try:
             if results.exists() or row.exists():
-                return _solved(results, _read_sealed(row, planned.key)), ""
+                return _solved(results, read_sealed(row, key)), ""
             if failed.exists():
-                message = str(_read_sealed(failed, planned.key)["message"])
+                message = str(read_sealed(failed, key)["message"])
                 return CaseOutcome(converged=False, message=message, measures={}), ""
         except ResultsFileError as error:
             return None, f"{error} This case is solved again."
@@ -132,15 +140,15 @@ def _digest(content: bytes) -> str:
     return hashlib.blake2b(content, digest_size=16).hexdigest()
 
 
-def _write_sealed(file: Path, key: str, entries: dict[str, Any]) -> None:
+def write_sealed(file: Path, key: str, entries: dict[str, Any]) -> None:
     """Write a JSON object that belongs to the case with this key."""
     with whole_file(file, "row of a case", ResultsFileError) as part, part.open("w+b") as stream:
         stream.write(json.dumps(entries).encode())
         seal(stream, _subject(file, key))
 
 
-def _read_sealed(file: Path, key: str) -> dict[str, Any]:
-    """The object of ``_write_sealed`` for this case. Raises ResultsFileError for anything else."""
+def read_sealed(file: Path, key: str) -> dict[str, Any]:
+    """The object of ``write_sealed`` for this case. Raises ResultsFileError for anything else."""
     stream = io.BytesIO(_content(file))
     try:
         size = require_seal(stream, _subject(file, key))

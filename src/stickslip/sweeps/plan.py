@@ -7,8 +7,8 @@ import itertools
 import json
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stickslip.case.analysis import RidgeAnalysis, WearAnalysis
@@ -20,6 +20,7 @@ from stickslip.results.sweep_table import SweptKey, Value
 from stickslip.sweeps.axes import study_value
 from stickslip.sweeps.work import worker_version
 
+KEY_DIGITS = 12  # of the hash of a case, at the end of its name
 LARGEST_SWEEP = 20_000  # cases; chosen: every case is validated and hashed before the first one is solved
 _SHOWN_ERRORS = 10  # chosen: lines of a message
 _STRUCTURE_SECTIONS = ("structure", "geometry", "mesh", "material", "bodies", "ties", "reduction")
@@ -70,6 +71,22 @@ def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...
             f"the sweep has {sizes} = {count} cases; at most {LARGEST_SWEEP} are allowed. Use fewer values."
         )
     return plan_rows(case, keys, itertools.product(*(range(len(key.values)) for key in keys)))
+
+
+def plan_table(
+    case: Case, keys: tuple[SweptKey, ...], rows: Sequence[tuple[int, ...]], names: Mapping[str, str]
+) -> tuple[tuple[SweptKey, ...], tuple[PlannedCase, ...]]:
+    """The keys, and a case for each of the ``rows`` of a table; a case with a folder retains the name of it.
+
+    ``names``: first digits of the key of a case -> name of its folder. Raises as :func:`plan_cases`.
+    """
+    if len(rows) > LARGEST_SWEEP:
+        raise InputError(
+            f"the table has {len(rows)} cases with those of the earlier sweeps in this folder; at most {LARGEST_SWEEP} "
+            "are allowed. Use fewer values, or another folder."
+        )
+    planned = plan_rows(case, keys, rows)
+    return keys, tuple(replace(each, name=names.get(each.key[:KEY_DIGITS], each.name)) for each in planned)
 
 
 def plan_rows(
@@ -127,7 +144,7 @@ def require_one_curve(case: Case, of: str) -> None:
 def case_name(labelled: Iterable[tuple[str, str]], key_of_case: str) -> str:
     """The name of a case with these keys and words for their values."""
     words = "_".join(f"{name.split('.', 1)[1]}-{label}" for name, label in labelled)
-    return f"{re.sub(r'[^A-Za-z0-9.+_-]', '', words)[:80]}_{key_of_case[:12]}"
+    return f"{re.sub(r'[^A-Za-z0-9.+_-]', '', words)[:80]}_{key_of_case[:KEY_DIGITS]}"
 
 
 def case_hashes(case: Case) -> tuple[str, str]:

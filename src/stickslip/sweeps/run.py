@@ -22,12 +22,14 @@ from stickslip.model.model import kind_of, load_joint, set_up
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.sweep_page import write_sweep_page
 from stickslip.reporting.sweep_view import SweepView
+from stickslip.reporting.templates import StudyText
 from stickslip.results.record import run_provenance
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable
 from stickslip.sweeps.axes import Vary, swept_keys
 from stickslip.sweeps.folder import SweepFolder
-from stickslip.sweeps.plan import PlannedCase, plan_cases
+from stickslip.sweeps.plan import PlannedCase, plan_cases, plan_table
 from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, WorkerDied
+from stickslip.sweeps.record import SWEEP_FILE, StoredCase, SweepRecord, extended, store_record
 from stickslip.sweeps.schedule import CHECK_SECONDS, Schedule, StructureGroup
 from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
 
@@ -90,7 +92,8 @@ def sweep(
         any ``concurrent.futures.Executor``, for example that of a Dask cluster; by default processes of this machine.
     out:
         folder for results files, tables and page. A sweep into a folder with finished cases of the same inputs and
-        version does not solve these again. Without a folder nothing is written.
+        version does not solve these again; it adds its cases to those of the table. Without a folder nothing is
+        written.
     workers:
         local processes, by default one for each usable processor; 1 solves in this process. With ``executor`` the
         number of its workers: it receives twice as many tasks at a time (by default 64 tasks).
@@ -104,17 +107,19 @@ def sweep(
         written. A case that fails raises nothing: its row has the message.
     """
     keys = swept_keys(vary, case)
-    planned = plan_cases(case, keys)
-    run = solve_planned(
-        planned, out, (TABLE_FILE, DATASET_FILE, PAGE_FILE), executor, progress, workers=workers, threads=threads
-    )
+    if out is None:
+        planned = plan_cases(case, keys)
+    else:
+        keys, planned = plan_table(case, *extended(Path(out), case, keys), SweepFolder(Path(out)).folder_names())
+    files = (TABLE_FILE, DATASET_FILE, PAGE_FILE, SWEEP_FILE)
+    run = solve_planned(planned, out, files, executor, progress, workers=workers, threads=threads)
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
     curves = tuple(run.outcomes[each.key].curve for each in planned)
     forces = np.array([kind_of(each.case).force_amplitude(each.case) for each in planned])
     view = SweepView(table, curves, forces)
-    files = () if run.folder is None else _written(run.folder, case, view)
+    written = () if run.folder is None else _written(run.folder, case, view, planned)
     case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
-    return Sweep(table, curves, case_files, files, run.found, tuple(run.notices), differing_limits(view))
+    return Sweep(table, curves, case_files, written, run.found, tuple(run.notices), differing_limits(view))
 
 
 def solve_planned(
@@ -346,10 +351,17 @@ def _none_solvable(first: StickslipError, count: int) -> StickslipError:
     return first.reworded(sentence) if isinstance(first, InputError) else type(first)(sentence)
 
 
-def _written(folder: SweepFolder, case: Case, view: SweepView) -> tuple[Path, ...]:
-    """Tables and page."""
+def _written(folder: SweepFolder, case: Case, view: SweepView, planned: tuple[PlannedCase, ...]) -> tuple[Path, ...]:
+    """Tables and page; beside them the record with which another sweep extends them."""
     files = tuple(folder.path / name for name in (TABLE_FILE, DATASET_FILE, PAGE_FILE))
+    cases = tuple(
+        StoredCase(each.name, each.key, float(force), each.values)
+        for each, force in zip(planned, view.force_n, strict=True)
+    )
+    study = StudyText(case.to_text(), case.changed_keys())
+    title, inputs = case.study.title, case.to_dict()
+    store_record(folder.path, SweepRecord(title, study.text, case.changed_keys(), inputs, view.table.keys, cases))
     view.table.to_csv(files[0])
     view.table.to_netcdf(files[1])
-    write_sweep_page(files[2], view, case.study.title, case.to_text(), run_provenance())
+    write_sweep_page(files[2], view, case.study.title, study, run_provenance())
     return files

@@ -114,8 +114,8 @@ def reduce_task(case: Case, setup: Setup, threads: int) -> ReducedStructure:
     with threadpool_limits(limits=threads):
         structure = setup.assemble()
         reduced = reduce_structure(case, structure, setup.layout)
-        table = compare_modes(structure, reduced.superelement, setup.layout.face_pairs)
-    return replace(reduced, superelement=replace(reduced.superelement, recovery=None), mode_table=table)
+        table = compare_modes(structure, reduced.substructure, setup.layout.face_pairs)
+    return replace(reduced.without_recovery(), mode_table=table)
 
 
 def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:

@@ -8,6 +8,7 @@ import pytest
 from stickslip.core.validation import FloatArray
 from stickslip.solve.stability.folds import FOLD_MARGIN, NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
 
+EITHER = range(2)  # possible numbers of multipliers above 1 of a doubtful point
 OMEGA: FloatArray = np.array([10.0 - (place - 2.25) ** 2 for place in range(5)])
 
 
@@ -34,18 +35,25 @@ def test_the_distance_of_the_multiplier_from_1_at_a_fold_is_an_error() -> None:
 def test_doubtful_points_take_the_count_of_their_side() -> None:
     folds = [Fold(2.5, 10.0, 0.0), Fold(5.5, 9.0, 0.0)]
     counts = [0, 0, 1, 0, 1, 0, 1, 0]
-    doubtful = [False, False, True, True, False, True, True, False]
-    assert sided_counts(counts, doubtful, [True] * 8, folds) == [0, 0, 0, 1, 1, 1, 0, 0]
+    sure = [range(count, count + 1) for count in counts]
+    possible = [sure[0], sure[1], EITHER, EITHER, sure[4], EITHER, EITHER, sure[7]]
+    assert sided_counts(counts, possible, [True] * 8, folds) == [0, 0, 0, 1, 1, 1, 0, 0]
+
+
+def test_a_multiplier_far_from_1_counts_beside_one_near_1() -> None:
+    """A point of low 2 of the torture set, with multipliers 1.10 and 0.997: it was stable like its sure neighbour, and
+    time integration leaves it."""
+    assert sided_counts([0, 1, 0], [range(1), range(1, 3), range(1)], [False, True, False], []) == [0, 1, 0]
 
 
 def test_without_a_sure_point_the_count_changes_at_each_fold() -> None:
     folds = [Fold(1.5, 10.0, 0.0), Fold(3.5, 9.0, 0.0)]
-    assert sided_counts([1, 1, 0, 0, 1, 1], [True] * 6, [True] * 6, folds) == [0, 0, 1, 1, 0, 0]
-    assert sided_counts([0, 1, 0, 2], [False] * 4, [False] * 4, []) == [0, 1, 0, 2]
+    assert sided_counts([1, 1, 0, 0, 1, 1], [EITHER] * 6, [True] * 6, folds) == [0, 0, 1, 1, 0, 0]
+    assert sided_counts([0, 1, 0], [range(1), range(1, 2), range(1)], [False] * 3, []) == [0, 1, 0]
 
 
 def test_a_wrinkle_of_an_unstable_part_is_unstable() -> None:
     """The multiplier is far from 1 at its folds, which are errors of the curve: no point between them is sure."""
     folds = [Fold(1.5, 10.0, 0.08), Fold(3.5, 9.0, 0.08)]
     near_one = [False, False, False, True, False, False]
-    assert sided_counts([1, 1, 1, 0, 1, 1], [True] * 6, near_one, folds) == [1] * 6
+    assert sided_counts([1, 1, 1, 0, 1, 1], [EITHER] * 6, near_one, folds) == [1] * 6

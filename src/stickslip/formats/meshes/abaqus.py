@@ -65,10 +65,11 @@ class _Reader:
         self._pieces: dict[tuple[str, str], list[IntArray]] = {}
         self._other_labels: list[int] = []
         self._blocks_named: list[tuple[str, str, IntArray, int]] = []  # instance, set, elements, line
-        self._sections: list[tuple[str, RawBody]] = []  # with their instance
+        self._sections: list[tuple[Card, RawBody]] = []
         self._skipped: dict[str, int] = {}
         self._reported: set[str] = set()  # element types with another formulation
         self._systems = SystemCards(self.raw, self._find)
+        self._materials = MaterialCards(self.raw)
         self._ties = TieCards(self.raw, self._find)
         self._contact = ContactCards(self.raw)
         self._loads = LoadCards(self.raw, self._find)
@@ -79,7 +80,7 @@ class _Reader:
             "ELSET": lambda card: self._set(card, "element", card.parameter("ELSET")),
             "SURFACE": self._surface,
             "SOLID SECTION": self._section,
-            **MaterialCards(self.raw).cards,
+            **self._materials.cards,
             **self._systems.cards,
             **self._ties.cards,
             **self._contact.cards,
@@ -114,7 +115,8 @@ class _Reader:
         self._ties.write(frames)
         self._contact.write()
         raw.ties.equations += equations
-        raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
+        sections = [(card.instance, replace(body, axes=self._materials.axes(card))) for card, body in self._sections]
+        raw.bodies = _named_bodies(sections or self._bodies_of_blocks())
         self._loads.report()
         if self._skipped:
             words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._skipped.items())
@@ -301,7 +303,7 @@ class _Reader:
         if ("element", name.upper()) not in self._names:
             card.fail(f"ELSET={name} is a number; a section requires the name of an element set. Give one.")
         body = RawBody(self._names["element", name.upper()], elements, material, card.line)
-        self._sections.append((card.instance, body))
+        self._sections.append((card, body))
 
 
 def _named_bodies(bodies: list[tuple[str, RawBody]]) -> list[RawBody]:

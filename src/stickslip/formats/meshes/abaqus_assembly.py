@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stickslip.formats.meshes.abaqus_parts import STRUCTURE, Assembly, Scope, find_instances, plain_name
+from stickslip.formats.meshes.abaqus_parts import STRUCTURE, Assembly, Motion, Scope, find_instances, plain_name
+from stickslip.formats.meshes.abaqus_systems import without_end
 from stickslip.formats.meshes.keyword_deck import Card
 from stickslip.formats.meshes.raw_model import LARGEST_LABEL, LabelRange
 
@@ -125,6 +126,8 @@ class _Writer:
         data = card.data
         if kind == "NODE":
             data = _nodes(scope, card)
+        elif kind == "ORIENTATION" and scope.motion is not None:
+            data = [(line, _turned(scope.motion, card, words, line)) for line, words in data[:1]] + data[1:]
         elif kind == "ELEMENT":
             data = [(line, [self._label(scope, card, word, line) for word in words]) for line, words in data]
         elif kind in ("NSET", "ELSET") and "GENERATE" in parameters:
@@ -210,6 +213,14 @@ def _nodes(scope: Scope, card: Card) -> list[Row]:
         line, words = numbered[at]
         numbered[at] = line, [words[0], *map(repr, place), *words[4:]]
     return numbered
+
+
+def _turned(motion: Motion, card: Card, words: list[str], line: int) -> list[str]:
+    """The points of an *ORIENTATION, whose differences are directions, turned with the instance."""
+    values = [card.number(word or "0", line) for word in without_end(words)]
+    if len(values) % 3:
+        return words  # the reader of the flat deck rejects it
+    return [*map(repr, motion.turn.apply(np.reshape(values, (-1, 3))).ravel().tolist())]
 
 
 def _generated(scope: Scope, card: Card, line: int, words: list[str]) -> list[Row]:

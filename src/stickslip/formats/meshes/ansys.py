@@ -157,7 +157,7 @@ class _Reader:
                         values[label][1],
                     )
             line = max([line for _, line in values.values()], default=0)
-            self.raw.materials[str(number)] = RawMaterial(young[0], poisson[0], density[0], line)
+            self.raw.materials[str(number)] = RawMaterial.of_constants(young[0], poisson[0], density[0], line)
 
     def _component(self, entry: Entry) -> None:
         name, kind = entry.words[0], entry.word(1)

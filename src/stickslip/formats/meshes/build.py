@@ -8,8 +8,8 @@ import numpy as np
 import scipy.spatial
 from numpy.typing import NDArray
 
-from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.build_materials import build_materials
 from stickslip.formats.meshes.build_ties import build_equations
 from stickslip.formats.meshes.element_checks import require_sound_elements
 from stickslip.formats.meshes.face_sets import build_face_sets
@@ -18,7 +18,6 @@ from stickslip.formats.meshes.raw_contacts import GROUND, RawContact
 from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.formats.meshes.unit_systems import UnitSystem
 from stickslip.structure.cell_kinds import IntArray
-from stickslip.structure.elasticity import Material
 from stickslip.structure.mesh import CellBlock, Mesh
 from stickslip.structure.model_facts import connected_parts, model_oddities
 
@@ -26,8 +25,11 @@ LARGEST_COORDINATE = 1e6  # m
 _ONE_PLACE = 1e-6  # fraction of a body's size below which two of its nodes coincide
 
 
-def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
-    """Check a raw model and turn it into SI units. Raises ImportFileError that names file and entry."""
+def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = None) -> ImportedModel:
+    """Check a raw model and turn it into SI units, with material constants at a temperature of the file.
+
+    Raises ImportFileError that names file and entry.
+    """
     if not raw.blocks:
         others = ", ".join(f"{count} {name}" for name, count in raw.other_elements.items())
         share = f": 0 % of the elements are solid ({others})" if others else ""
@@ -60,7 +62,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     nodes = _members(raw, "node", raw.node_sets, labels, messages)
     mesh = Mesh(points, tuple(cells), body, nodes | face_nodes, names, faces, elements)
     messages += _clashes(mesh, nodes, face_nodes)
-    materials = _materials(raw, units, names, messages)
+    materials = build_materials(raw, units, temperature, names, messages)
     messages += _parts(mesh)
     equations = build_equations(raw, labels, mesh, units.length, messages)
     numbers = _NodeNumbers(raw, labels)
@@ -165,41 +167,6 @@ def _members(
             answer[name] = np.unique(numbers)
         else:
             messages.append(f"{what} set '{name}' contains no {what} of a solid element; it is ignored.")
-    return answer
-
-
-def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], messages: list[str]) -> dict[str, Material]:
-    """Material in SI units of each body that has a complete one."""
-    answer = {}
-    for body in raw.bodies:
-        if body.name not in names or body.material is None:
-            continue
-        if body.material not in raw.materials:
-            raw.fail(
-                f"body '{body.name}' has the material '{body.material}', which the file does not define.", body.line
-            )
-        material = raw.materials[body.material]
-        missing = [
-            word
-            for word, value in (
-                ("Young's modulus", material.young_modulus),
-                ("Poisson's ratio", material.poisson_ratio),
-                ("density", material.density),
-            )
-            if value is None
-        ]
-        if material.young_modulus is None or material.poisson_ratio is None or material.density is None:
-            messages.append(
-                f"material '{body.material}' has no {' and no '.join(missing)}, so body '{body.name}' requires a "
-                "material in the study file."
-            )
-            continue
-        try:
-            answer[body.name] = Material(
-                units.pressure * material.young_modulus, material.poisson_ratio, units.density * material.density
-            )
-        except InputError as error:
-            raw.fail(f"material '{body.material}': {error}", material.line)
     return answer
 
 

@@ -22,6 +22,7 @@ from stickslip.formats.meshes.nastran_case import CaseControl, active_entries
 from stickslip.formats.meshes.nastran_contact import Elements, NastranContact
 from stickslip.formats.meshes.nastran_grids import Grids, constrained_nodes
 from stickslip.formats.meshes.nastran_include import join_files
+from stickslip.formats.meshes.nastran_materials import AnisotropicMaterials
 from stickslip.formats.meshes.nastran_systems import SYSTEM_CARDS, Systems
 from stickslip.formats.meshes.nastran_ties import NastranTies
 from stickslip.formats.meshes.raw_model import (
@@ -128,6 +129,7 @@ class _Reader:
         self._moved: list[int] = []  # lines of displacements other than 0
         self._ties = NastranTies()
         self._contact = NastranContact()
+        self._other_materials = AnisotropicMaterials(self.raw)
         self._cards: dict[str, Callable[[BulkCard], None]] = {
             "GRID": self._grids.add,
             "GRDSET": self._grids.set_defaults,
@@ -136,6 +138,7 @@ class _Reader:
             "LOAD": self._combination,
             "PSOLID": self._solid_property,
             "MAT1": self._material,
+            **self._other_materials.cards,
             "SPC": self._spc,
             "SPC1": self._spc1,
             "FORCE": self._forces.append,
@@ -208,7 +211,9 @@ class _Reader:
                     f"element {mine[0][0]} has the property {number}, but there is no such PSOLID.", mine[0][3]
                 )
             elements = np.array([row[0] for row in mine], dtype=np.int64)
-            self.raw.bodies.append(RawBody(self._name(number), elements, str(card.integer(1)), card.line))
+            material = str(card.integer(1))
+            axes = self._other_materials.axes(card, material, self._systems)
+            self.raw.bodies.append(RawBody(self._name(number), elements, material, card.line, axes))
 
     def _name(self, number: int) -> str:
         """Name of a property; where two have the same name, the number is added."""
@@ -292,7 +297,7 @@ class _Reader:
         name = str(card.integer(0))
         if name in self.raw.materials:
             card.fail(f"material {name} is defined twice.")
-        self.raw.materials[name] = RawMaterial(young, poisson, density, card.line)
+        self.raw.materials[name] = RawMaterial.of_constants(young, poisson, density, card.line)
 
     def _constrain(self, card: BulkCard, directions: str, nodes: list[int]) -> None:
         self._constraints.setdefault(card.integer(0), []).append(constrained_nodes(card, directions, nodes))

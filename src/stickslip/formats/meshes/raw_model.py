@@ -13,6 +13,7 @@ from stickslip.core.errors import ImportFileError
 from stickslip.core.input_files import read_regular
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.raw_contacts import RawContact
+from stickslip.formats.meshes.raw_materials import RawMaterial as RawMaterial
 from stickslip.formats.meshes.raw_ties import RawTies
 from stickslip.structure.mesh import IntArray
 
@@ -30,23 +31,17 @@ class RawBlock:
 
 
 @dataclass(frozen=True)
-class RawMaterial:
-    """Numbers of a material in the units of the file; None where the file has none."""
-
-    young_modulus: float | None
-    poisson_ratio: float | None
-    density: float | None
-    line: int
-
-
-@dataclass(frozen=True)
 class RawBody:
-    """Elements (k,) by label with a common name and, unless ``material`` is None, a common material."""
+    """Elements (k,) by label with a common name and, unless ``material`` is None, a common material.
+
+    ``axes`` (3, 3) are the axes 1, 2, 3 of the material as rows, None for x, y, z.
+    """
 
     name: str
     elements: IntArray
     material: str | None
     line: int
+    axes: FloatArray | None = None
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,11 @@ _ADVICE = {
 
 
 def read_model(
-    path: str | PathLike[str], length_unit: str, unit_system: str | None = None, includes_outside: bool = False
+    path: str | PathLike[str],
+    length_unit: str,
+    unit_system: str | None = None,
+    includes_outside: bool = False,
+    temperature: float | None = None,
 ) -> ImportedModel:
     """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .cdb (Ansys), .unv
     (I-DEAS), .msh (Gmsh), .vtu, .vtk, .med.
@@ -76,6 +80,8 @@ def read_model(
         seconds with metric lengths (mm: MPa and t/mm3), pounds-force and seconds with inches and feet.
     includes_outside:
         whether a deck may include files outside of its folder, for trusted decks.
+    temperature:
+        temperature of the material constants, in the unit of the file; by default the first row of their tables.
 
     Raises
     ------
@@ -85,7 +91,7 @@ def read_model(
         for a unit or system that does not exist or does not fit.
     """
     units = find_unit_system(length_unit, unit_system)
-    return build_model(read_raw(path, includes_outside), units)
+    return build_model(read_raw(path, includes_outside), units, temperature)
 
 
 def is_model_file(path: str | PathLike[str]) -> bool:

@@ -8,6 +8,7 @@ from stickslip.case.case import Case
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import FaceSettings
 from stickslip.model.layout import BaseMotionOfSupport, Derived, GroupForce, GroupUnbalance, Layout, Output, Setup
+from stickslip.solve.excitation import TravellingWave
 from stickslip.structure.mesh import Mesh
 
 CaseT = TypeVar("CaseT", bound=Case, contravariant=True)
@@ -42,6 +43,9 @@ class Kind(Protocol[CaseT]):
 
     def base_motion(self, case: CaseT) -> BaseMotionOfSupport | None:
         """The motion of the support; None if it is fixed."""
+
+    def wave(self, case: CaseT) -> TravellingWave | None:
+        """How the harmonic forces travel round a disk; None for a structure."""
 
     def outputs(self, case: CaseT) -> tuple[dict[str, Output], dict[str, tuple[str, ...]]]:
         """Name -> output, the response of the curve first; heading -> names in one plot."""

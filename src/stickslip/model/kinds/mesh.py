@@ -9,10 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.case.case import MeshCase
+from stickslip.case.case import MeshCase, SolidCase
 from stickslip.case.interface_sections import GROUND, MeshInterfaceSection
-from stickslip.case.own_sections import PlaceSection
-from stickslip.case.template import bare_name
+from stickslip.case.own_sections import MeshFileSection, PlaceSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground
 from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
@@ -20,6 +19,7 @@ from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.plausible import OddValue, suspecting
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
+from stickslip.model.kinds.body_materials import body_materials
 from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.kinds.ties import (
@@ -75,7 +75,7 @@ class MeshSetup:
             (
                 f"body {name}",
                 f"{np.count_nonzero(mesh.body == number)} elements, {material.density * volume:.4g} kg, "
-                f"E {1e-9 * material.young_modulus:.4g} GPa, density {material.density:.4g} kg/m^3",
+                f"E {1e-9 * material.young_modulus:.4g} GPa{_average(material)}, density {material.density:.4g} kg/m^3",
             )
             for number, (name, volume, material) in enumerate(
                 zip(mesh.body_names, volumes, self.materials, strict=True)
@@ -105,6 +105,10 @@ class MeshSetup:
         return (write_pairs(folder / PAIRS_FILE, self.pairings),)
 
 
+def _average(material: Material) -> str:
+    return "" if material.elastic is None else " (average of all directions)"
+
+
 class MeshKind(OwnKind[MeshCase]):
     """Bodies from a mesh file."""
 
@@ -114,16 +118,16 @@ class MeshKind(OwnKind[MeshCase]):
         Raises ImportFileError for the file; InputError that names the entry of the study file for a set that is missing
         or empty, a material that is missing, faces without a pair, and a body without support.
         """
-        source = _source(case)
+        source = read_source(case.structure)
         mesh, materials = source.mesh, body_materials(case, source)
         odd_values = tuple(model_oddities(mesh, dict(zip(mesh.body_names, materials, strict=True))))
         with suspecting(odd_values):
-            fixed = _fixed_unknowns(case, source)
-            pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
+            fixed = fixed_unknowns_of(case.structure.fixed, source)
+            pairings = tuple(pairing_of(mesh, name, each) for name, each in case.interfaces.items())
             require_single_joints(mesh, case.interfaces)
             ties = study_ties(mesh, source.equations, case.ties)
             named = dict(zip(case.interfaces, pairings, strict=True))
-            groups = _node_groups(case, source)
+            groups = node_groups_of(case, source)
             constraints = eliminated(ties, fixed, named, groups)
             require_independent(constraints, source, named)
             groups |= _following(case, source, groups, ties, constraints)
@@ -152,15 +156,16 @@ class MeshKind(OwnKind[MeshCase]):
         return None if section is None else BaseMotionOfSupport(section.direction, section.amplitude, section.kind)
 
 
-def _source(case: MeshCase) -> ImportedModel:
+def read_source(section: MeshFileSection) -> ImportedModel:
     """The mesh file."""
-    section = case.structure
     with keys_of_section("structure"), concerning("file"):
-        return read_model(section.file, section.length_unit, section.unit_system, bool(section.includes_outside))
+        return read_model(
+            section.file, section.length_unit, section.unit_system, bool(section.includes_outside), section.temperature
+        )
 
 
 @contextmanager
-def _entry(name: str) -> Iterator[None]:
+def named_entry(name: str) -> Iterator[None]:
     """Put the entry of the study file before the message of an InputError, and set its keys."""
     try:
         with concerning(name):
@@ -169,55 +174,18 @@ def _entry(name: str) -> Iterator[None]:
         raise error.reworded(f"{name}: {error}") from error
 
 
-def body_materials(case: MeshCase, source: ImportedModel) -> tuple[Material, ...]:
-    """Material of each body: of [bodies.NAME], else of the file, else of [material]. Raises InputError."""
-    names = source.mesh.body_names
-    unknown = [name for name in case.bodies if name not in names]
-    if unknown:
-        raise InputError(
-            f"[bodies.{bare_name(unknown[0])}] is no body of {source.source}; its bodies are: {', '.join(names)}.",
-            (f"bodies.{unknown[0]}",),
-        )
-    return tuple(_material(case, name, source) for name in names)
-
-
-def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
-    sections = (case.bodies.get(name), source.materials.get(name), case.material)
-    keys, strengths = ("young_modulus", "poisson_ratio", "density"), ("fatigue_limit", "tensile_strength")
-    values: dict[str, float] = {}
-    for key in (*keys, *strengths):
-        candidates = [getattr(each, key, None) for each in sections if each is not None]
-        present = [value for value in candidates if value is not None]
-        if present:
-            values[key] = present[0]
-    missing = [key for key in keys if key not in values]
-    if missing:
-        # an incomplete material of the file is not used in part
-        messages = [words for words in source.messages if words.startswith("material ") and f"body '{name}'" in words]
-        section = f"[bodies.{bare_name(name)}]"
-        raise InputError(
-            f"body '{name}' has no {', no '.join(missing)}: neither {section}, nor the mesh file, nor [material] "
-            f"gives it.{' In the file, ' + messages[0] if messages else ''} Give a section {section} for this body, or "
-            "[material] for all bodies without one.",
-            (f"bodies.{name}" if name in case.bodies else "structure.file",),
-        )
-    home = f"bodies.{name}" if name in case.bodies else "material"
-    with keys_of_section(home):
-        return Material(**values)
-
-
-def _fixed_unknowns(case: MeshCase, source: ImportedModel) -> IntArray:
+def fixed_unknowns_of(fixed: Sequence[str], source: ImportedModel) -> IntArray:
     """Indices among 3 * n_nodes that the file or structure.fixed constrains to zero."""
     constrained = [source.fixed_unknowns]
-    for name in case.structure.fixed:
-        with _entry("structure.fixed"):
+    for name in fixed:
+        with named_entry("structure.fixed"):
             constrained.append((3 * source.mesh.node_set(name)[:, None] + np.arange(3)).ravel())
     return np.unique(np.concatenate(constrained)).astype(np.int64)
 
 
-def _pairing(mesh: Mesh, name: str, section: MeshInterfaceSection) -> Pairing:
+def pairing_of(mesh: Mesh, name: str, section: MeshInterfaceSection) -> Pairing:
     points = section.points or "nodes"
-    with _entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
+    with named_entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
         if section.second == GROUND:
             of_two_faces = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
             wrong = [key for key in of_two_faces if getattr(section, key) is not None]
@@ -264,7 +232,7 @@ def _layout(
                 ("base_motion",),
             )
         base_inertia = translation_inertia(mesh, materials)
-    require_support(mesh, pairs, fixed, constraints, source)
+    require_support(mesh, pairs.nodes, fixed, constraints, source)
     _require_free(named, node_groups, fixed, source)
     messages = (
         *source.messages,
@@ -275,11 +243,11 @@ def _layout(
     return Layout(
         pairs,
         names,
-        tuple(_face_materials(mesh, materials, each) for each in pairings),
+        tuple(face_materials(mesh, materials, each) for each in pairings),
         node_groups,
         body_load,
         base_inertia,
-        tuple(_facts(names, pairings)),
+        tuple(pairing_facts(names, pairings)),
         messages,
         mesh.body_names,
         tuple((each.first,) if each.second == GROUND else (each.first, each.second) for each in pairings),
@@ -287,7 +255,7 @@ def _layout(
     )
 
 
-def _facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator[Derived]:
+def pairing_facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator[Derived]:
     for name, pairing in zip(names, pairings, strict=True):
         for label, value, unit in pairing.summary():
             yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "from the pairing of the faces"
@@ -308,7 +276,7 @@ def _unused_forces(source: ImportedModel) -> Iterator[str]:
         yield "the forces in the mesh file are not used; give them as [forces.NAME] or [static_loads.NAME]."
 
 
-def _face_materials(mesh: Mesh, materials: Sequence[Material], pairing: Pairing) -> tuple[Material, Material]:
+def face_materials(mesh: Mesh, materials: Sequence[Material], pairing: Pairing) -> tuple[Material, Material]:
     """Materials of both sides; the ground has that of the first side."""
     first = _body_of(mesh, pairing.first)
     second = first if pairing.second == GROUND else _body_of(mesh, pairing.second)
@@ -322,10 +290,10 @@ def _body_of(mesh: Mesh, name: str) -> int:
     return int(np.argmax(members))
 
 
-def _node_groups(case: MeshCase, source: ImportedModel) -> dict[str, NodeGroup]:
+def node_groups_of(case: SolidCase, source: ImportedModel) -> dict[str, NodeGroup]:
     """The groups of all places but those of reference nodes."""
     return {
-        name: _node_group(source, name, section)
+        name: node_group_of(source, name, section)
         for name, section in case.places.items()
         if not _is_reference(source, section)
     }
@@ -350,15 +318,15 @@ def _following(
         if name in groups:
             answer[name] = following_group(groups[name], source.mesh, constraints)
             continue
-        with _entry(name), concerning(f"{name}.node"):
+        with named_entry(name), concerning(f"{name}.node"):
             answer[name] = reference_group(int(section.node or 0), ties.equations, constraints)
     return answer
 
 
-def _node_group(source: ImportedModel, name: str, section: PlaceSection) -> NodeGroup:
+def node_group_of(source: ImportedModel, name: str, section: PlaceSection) -> NodeGroup:
     """The nodes of a place with their weights. Raises InputError that names the entry."""
     mesh = source.mesh
-    with _entry(name):
+    with named_entry(name):
         if section.node is not None:
             with concerning(f"{name}.node"):
                 return NodeGroup.single(int(source.node_numbers(np.array([section.node]))[0]))

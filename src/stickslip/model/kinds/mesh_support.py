@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.structure.constraints import Constraints
@@ -13,7 +12,7 @@ from stickslip.structure.tied_parts import supported_groups
 
 
 def require_support(
-    mesh: Mesh, pairs: FacePairs, fixed: IntArray, constraints: Constraints | None, source: ImportedModel
+    mesh: Mesh, contact_nodes: IntArray, fixed: IntArray, constraints: Constraints | None, source: ImportedModel
 ) -> None:
     """Raise InputError for a part that neither a constraint nor contact supports, and for a part with a hinge."""
     for group in supported_groups(mesh, fixed, constraints):
@@ -25,7 +24,7 @@ def require_support(
                     "faces, or separate them.",
                     ("structure.file",),
                 )
-        in_contact = np.isin(pairs.nodes, mesh.nodes_of_cells(group.cells)).any()
+        in_contact = np.isin(contact_nodes, mesh.nodes_of_cells(group.cells)).any()
         if group.free and not in_contact:
             tied = f" with the {len(group.parts) - 1} others that ties connect to it" if len(group.parts) > 1 else ""
             raise InputError(

@@ -15,6 +15,7 @@ from stickslip.model.face_laws import NamedLaw, pressure_law
 from stickslip.model.joint import STARTING_PRESSURE, FaceSettings
 from stickslip.model.layout import BaseMotionOfSupport, Derived, GroupForce, GroupUnbalance, Layout, Output
 from stickslip.model.rough_face import roughness_section
+from stickslip.solve.excitation import TravellingWave
 
 OwnCaseT = TypeVar("OwnCaseT", bound=OwnCase)
 
@@ -133,6 +134,10 @@ class OwnKind(Generic[OwnCaseT]):
 
     def base_motion(self, case: OwnCaseT) -> BaseMotionOfSupport | None:
         """The motion of the support, where the structure knows what it carries along."""
+        return None
+
+    def wave(self, case: OwnCaseT) -> TravellingWave | None:
+        """How the forces travel round a disk; None for a structure."""
         return None
 
     def rotation_speed(self, case: OwnCaseT) -> float:

@@ -169,6 +169,9 @@ class TwoBladeKind:
     def base_motion(self, case: TwoBladeCase) -> None:
         """None: forces at N1 and N2 excite the blades."""
 
+    def wave(self, case: TwoBladeCase) -> None:
+        """None: the blades are no disk."""
+
     def outputs(self, case: TwoBladeCase) -> tuple[dict[str, Output], dict[str, tuple[str, ...]]]:
         """A along the excitation's direction and both sides of the damper along x, y, z; what is drawn together."""
         named_outputs, groups = {"blade tip A": Output("response", case.excitation.direction)}, {}

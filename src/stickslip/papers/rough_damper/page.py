@@ -15,7 +15,7 @@ from stickslip.papers.rough_damper.items import Item
 from stickslip.papers.rough_damper.tables import Cell, Table
 from stickslip.papers.rough_damper.verdicts import Verdict
 from stickslip.reporting.style import shown_number
-from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
 
 TITLE = "Interface roughness and an under-platform damper"
 DESCRIPTION = (
@@ -42,7 +42,7 @@ def write_page(
     figures: Mapping[str, Path],
     counts: Mapping[Verdict, int],
     failures: Sequence[Failure],
-    inputs: str,
+    inputs: StudyText,
     provenance: Mapping[str, str],
 ) -> None:
     """Write the page, completely or not at all. ``figures``: name -> PNG file. Raises InputError."""

@@ -26,6 +26,7 @@ from stickslip.papers.rough_damper.records import Solved
 from stickslip.papers.rough_damper.table2 import table2
 from stickslip.papers.rough_damper.tables import Table, write_csv, write_netcdf
 from stickslip.papers.rough_damper.verdicts import Verdict
+from stickslip.reporting.templates import StudyText
 from stickslip.results.record import run_provenance
 
 if TYPE_CHECKING:
@@ -84,7 +85,9 @@ def _written(folder: Path, scope: Scope, computed: Computed, listener: Progress)
     files = [*_tables(folder / TABLE_FOLDER, tables), write_netcdf(tables, computed.solved, folder / NUMBERS_FILE)]
     page = folder / PAGE_FILE
     pictures = {name: written[-1] for name, written in drawn.items()}
-    write_page(page, shown, pictures, verdicts, computed.failures, base_case(scope).to_text(), run_provenance())
+    case = base_case(scope)
+    study = StudyText(case.to_text(), case.changed_keys())
+    write_page(page, shown, pictures, verdicts, computed.failures, study, run_provenance())
     listener.update("Files", 1.0, PAGE_FILE)
     files = [page, *files, *(file for written in drawn.values() for file in written)]
     return PaperOutcome(

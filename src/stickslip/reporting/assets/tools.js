@@ -110,7 +110,7 @@
   const plots = () => Array.from(document.querySelectorAll(".js-plotly-plot:not(#structure-plot)"));
   const HALF = 332, WHOLE = 676;
   const fonts = (text, title) => ({
-    "font.size": text, "legend.font.size": text, "legend2.font.size": text, "xaxis.title.font.size": title,
+    "font.size": text, "legend.font.size": text, "legend.grouptitlefont.size": text, "legend2.font.size": text, "xaxis.title.font.size": title,
     "yaxis.title.font.size": title, "yaxis2.title.font.size": title,
   });
 

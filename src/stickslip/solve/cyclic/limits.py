@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
+from stickslip.results.peaks import Peak, peaks
+from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.cyclic.stuck_sector import StuckSector
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.gain import to_complex
-from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.harmonic.linear import LinearLimit, refined_grid
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.path.landmarks import Landmark
 
@@ -39,6 +41,14 @@ class SectorLimit:
     def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
         """Largest modal damping ratio inside a window; None without modes there."""
         return self._limit_of(1).damping_ratio(window_hz)
+
+    def peaks(self, window_hz: tuple[float, float], force: ExcitationForce, output: FloatArray) -> list[Peak]:
+        """The peaks of an output (2n,) in a window, highest first; not bracketed at an end."""
+        orders = range(1, force.harmonics + 1)
+        natural = np.concatenate([self._limit_of(order).natural_hz / order for order in orders])
+        frequency_hz = refined_grid(window_hz, natural)
+        signal = np.einsum("n,fnk->fk", output, self.response_to(2.0 * np.pi * frequency_hz, force))
+        return peaks(frequency_hz, periodic_amplitude(signal))
 
     def response_to(self, omega: FloatArray, force: ExcitationForce) -> FloatArray:
         """Coefficients (n_frequencies, 2n, 2H+1) of this sector and the next one; the mean is zero."""

@@ -40,6 +40,9 @@ class Limit(Protocol):
     def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
         """Largest modal damping ratio inside a window; None without modes there."""
 
+    def peaks(self, window_hz: tuple[float, float], force: ExcitationForce, output: FloatArray) -> list[Peak]:
+        """The peaks of an output in a window, highest first; not bracketed at an end."""
+
     def response_to(self, omega: FloatArray, force: ExcitationForce) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is zero."""
 
@@ -180,7 +183,7 @@ class LinearLimit:
 
     def peaks(self, window_hz: tuple[float, float], force: ExcitationForce, output: FloatArray) -> list[Peak]:
         """The peaks of an output in a window, highest first; not bracketed at an end."""
-        frequency_hz = _refined_grid(window_hz, self.natural_hz)
+        frequency_hz = refined_grid(window_hz, self.natural_hz)
         signal = self.output_to(2.0 * np.pi * frequency_hz, force, output)
         return peaks(frequency_hz, periodic_amplitude(signal))
 
@@ -222,7 +225,7 @@ def linear_curves(
 ) -> LinearCurves:
     """Stuck and free response to ``force`` over the window, refined around their natural frequencies."""
     natural_hz = np.concatenate([stuck.natural_hz, free.natural_hz])
-    frequency_hz = _refined_grid(window_hz, natural_hz)
+    frequency_hz = refined_grid(window_hz, natural_hz)
     # Not a resonance itself, also of a higher harmonic: without damping the response has no bound there.
     resonances_hz = np.divide.outer(natural_hz, np.arange(1, force.harmonics + 1)).ravel()
     low, high = min(window_hz), max(window_hz)
@@ -240,7 +243,7 @@ def linear_curves(
     )
 
 
-def _refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
+def refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
     """A uniform grid with extra points, denser towards each natural frequency inside the window."""
     low, high = min(window_hz), max(window_hz)
     offsets = np.concatenate([-np.geomspace(2e-2, 2e-5, 18), np.geomspace(2e-5, 2e-2, 18)])

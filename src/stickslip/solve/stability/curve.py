@@ -126,7 +126,18 @@ class _Verdict:
 
     def near_one(self, distance: float) -> bool:
         """Whether a real multiplier is within a distance of 1, or its error."""
-        return bool((self._real & (np.abs(self.values - 1.0) <= np.maximum(self.errors, distance))).any())
+        return bool(self._near_one(distance).any())
+
+    def possible(self, distance: float) -> range:
+        """Numbers of real multipliers above 1, if those within a distance of 1, or their error, may be on either
+        side."""
+        near = self._near_one(distance)
+        beyond = int((self._real & (self.values.real > 1.0) & ~near).sum())
+        return range(beyond, beyond + int(near.sum()) + 1)
+
+    def _near_one(self, distance: float) -> BoolArray:
+        """Which are real and within a distance of 1, or their error."""
+        return np.asarray(self._real & (np.abs(self.values - 1.0) <= np.maximum(self.errors, distance)))
 
 
 def reason_without(pairs: ContactPairs) -> str:
@@ -152,9 +163,9 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
     counts = [verdict.counts() for verdict in verdicts]
     omega = np.array([trial.omega for trial in trials])
     folds = folds_of(omega, [verdict.values for verdict in verdicts])
-    doubtful = [verdict.near_one(doubtful_range(point, folds)) for point, verdict in enumerate(verdicts)]
+    possible = [verdict.possible(doubtful_range(point, folds)) for point, verdict in enumerate(verdicts)]
     near_one = [verdict.near_one(NEAR_FOLD) for verdict in verdicts]
-    positive = sided_counts([each.positive for each in counts], doubtful, near_one, folds)
+    positive = sided_counts([each.positive for each in counts], possible, near_one, folds)
     counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]
     table = np.zeros((len(trials), STORED), dtype=complex)
     for row, verdict in zip(table, verdicts, strict=True):

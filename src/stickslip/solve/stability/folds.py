@@ -50,19 +50,22 @@ def folds_of(omega: FloatArray, values: Sequence[ComplexArray]) -> list[Fold]:
 
 
 def sided_counts(
-    counts: Sequence[int], doubtful: Sequence[bool], near_one: Sequence[bool], folds: Sequence[Fold]
+    counts: Sequence[int], possible: Sequence[range], near_one: Sequence[bool], folds: Sequence[Fold]
 ) -> list[int]:
     """Numbers of real multipliers above 1, where those of doubtful points follow from their side of the folds.
 
-    It is that of the nearest sure point between the same folds; without one, as between the folds of a small wrinkle,
-    that of the nearest point not ``near_one``; without one it is 0 before the first fold and changes at each.
+    A point is doubtful if several numbers are ``possible``. It has the possible number nearest to that of the nearest
+    sure point between the same folds; without one, as between the folds of a small wrinkle, to that of the nearest
+    point not ``near_one``; without one to 0 before the first fold, which changes at each.
     """
     side = np.searchsorted([fold.position for fold in folds], np.arange(len(counts)))
+    doubtful = [len(each) > 1 for each in possible]
     answer = list(counts)
     for point in np.flatnonzero(doubtful).tolist():
         beside = np.flatnonzero(side == side[point]).tolist()
         sure = [each for each in beside if not doubtful[each]] or [each for each in beside if not near_one[each]]
-        answer[point] = counts[min(sure, key=lambda each: abs(each - point))] if sure else int(side[point]) % 2
+        number = counts[min(sure, key=lambda each: abs(each - point))] if sure else int(side[point]) % 2
+        answer[point] = min(max(number, possible[point][0]), possible[point][-1])
     return answer
 
 

@@ -1,0 +1,111 @@
+"""The sections of a study file about a tuned disk, of which one sector is solved: its mesh or its dimensions, and the
+wave that excites it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from stickslip.case.own_sections import MeshFileSection, Place
+from stickslip.case.quantities import Direction, Elements, Length
+from stickslip.case.section import Required, Section, chosen_by, has_value
+from stickslip.case.sections import STRUCTURE_KINDS, StructureSection
+from stickslip.case.two_blade_sections import PlatformAngle
+from stickslip.core.units import Count
+
+_MATRICES = dict.fromkeys(
+    ("stiffness", "mass", "damping", "unknown_map", "node_positions"),
+    'does not belong to a structure of kind "cyclic". Remove it.',
+)
+_BOUNDARY = "is missing. Give the node or face set of that boundary of the sector, where the next sector begins."
+MOST_SECTORS = 1000  # chosen: a turbine disk has 20 to 150
+Sectors = Annotated[int, Count(at_least=2, at_most=MOST_SECTORS)]
+
+
+class SectorMeshSection(MeshFileSection):
+    """The structure is a disk of equal sectors; a mesh file contains one of them."""
+
+    foreign: ClassVar[Mapping[str, str]] = {
+        **_MATRICES,
+        **dict.fromkeys(
+            (
+                "bore_radius", "rim_radius", "web_thickness", "width", "blade_length", "airfoil_thickness",
+                "shank_thickness", "platform_height", "platform_thickness", "platform_gap", "contact_face_width",
+                "platform_angle", "damper_flank_height", "contact_columns", "contact_rows",
+            ),
+            "belongs to the parametric disk, but file gives the mesh. Remove one of the two.",
+        ),
+    }  # fmt: skip
+
+    kind: Literal["cyclic"] = Field(description=STRUCTURE_KINDS)
+    left: Annotated[str, Required(_BOUNDARY)] = Field(
+        description="node or face set of a boundary of the sector", examples=["left"]
+    )
+    right: Annotated[str, Required(_BOUNDARY)] = Field(
+        description="that of the other one, where the next sector begins", examples=["right"]
+    )
+    sectors: Sectors | None = Field(
+        default=None, description="number of sectors; default: from the boundaries", examples=[24]
+    )
+    axis: Direction | None = Field(
+        default=None,
+        description="[x, y, z] along the axis; default: the one of x, y, z that fits",
+        examples=[[0, 0, 1]],
+    )
+    axis_point: Place | None = Field(
+        default=None, description="on the axis; default: the origin", examples=[["0 mm", "0 mm", "0 mm"]]
+    )
+
+
+class BladedDiskSection(StructureSection):
+    """The structure is a disk of equal sectors, each with a blade and a wedge damper to the next one. The disk rotates
+    about z, the blade of the sector stands along x. Its sets: bore, tip, damper middle; faces of the damper: damper
+    here, damper ahead; of the platforms: platform right, platform left. "next NAME" is the set of the next sector."""
+
+    foreign: ClassVar[Mapping[str, str]] = {
+        **_MATRICES,
+        **dict.fromkeys(
+            ("length_unit", "unit_system", "includes_outside", "fixed", "element", "left", "right", "axis",
+             "axis_point"),
+            "belongs to a sector from a mesh file. Give structure.file, or remove the key.",
+        ),
+    }  # fmt: skip
+
+    kind: Literal["cyclic"] = Field(description=STRUCTURE_KINDS)
+    sectors: Sectors = Field(default=24, description="number of blades")
+    bore_radius: Length = Field(default=0.060, description="of the disk, which is clamped there")
+    rim_radius: Length = Field(default=0.155, description="where the blade begins")
+    web_thickness: Length = Field(default=0.008, description="of the disk along z, below the rim")
+    width: Length = Field(default=0.028, description="of rim, blade, platforms and damper along z")
+    blade_length: Length = Field(default=0.145, description="rim to tip")
+    airfoil_thickness: Length = Field(default=0.007, description="along y")
+    shank_thickness: Length = Field(default=0.0139, description="from the rim to the top of the platform")
+    platform_height: Length = Field(default=0.0367, description="from the rim to the underside at the shank")
+    platform_thickness: Length = Field(default=0.0057, description="at the shank and at the free edge")
+    platform_gap: Length = Field(default=0.001, description="between neighbouring platforms")
+    contact_face_width: Length = Field(default=0.0065, description="along the slope of the platform")
+    platform_angle: PlatformAngle = Field(
+        default=0.523598775598299, description="contact face against the tangential direction"
+    )
+    damper_flank_height: Length = Field(default=0.0025, description="of the wedge below its contact faces")
+    contact_columns: Elements = Field(default=6, description="elements of a contact face along z")
+    contact_rows: Elements = Field(default=3, description="elements of a contact face along the slope")
+
+
+CyclicStructure = Annotated[
+    SectorMeshSection | BladedDiskSection,
+    chosen_by(lambda data: SectorMeshSection if has_value(data, "file") else BladedDiskSection),
+]
+
+
+class TravellingWaveSection(Section):
+    """The excitation by stationary vanes: all [forces.NAME] act on every sector, one sector after the other."""
+
+    engine_order: Annotated[
+        int, Count(at_least=0, at_most=MOST_SECTORS), Required("is missing. Give the number of waves round the disk.")
+    ] = Field(description="number of waves round the disk, such as the number of vanes", examples=[4])
+    direction: Literal["forward", "backward"] = Field(
+        default="forward", description="the wave reaches the next sector after this one, or before it"
+    )

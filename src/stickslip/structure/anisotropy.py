@@ -1,0 +1,101 @@
+"""Orthotropic and anisotropic elasticity: elastic matrices, their rotation, and isotropic averages.
+
+Strains are in the order xx, yy, zz, xy, yz, zx, with engineering shear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
+from stickslip.structure.material import Material
+
+# Axes of each strain of the order above.
+_AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
+_SYMMETRIC = 1e-6  # largest relative difference of components that are equal
+_SMALLEST = 1e-9  # ratio of the smallest to the largest eigenvalue below which a material has no stiffness
+
+
+def orthotropic_matrix(
+    young_moduli: Sequence[float], poisson_ratios: Sequence[float], shear_moduli: Sequence[float]
+) -> FloatArray:
+    """(6, 6) Pa in the axes 1, 2, 3 of the material.
+
+    Parameters
+    ----------
+    young_moduli:
+        E1, E2, E3 in Pa.
+    poisson_ratios:
+        nu12, nu13, nu23: the contraction along the second axis under tension along the first one, so that
+        nu21 = nu12 E2 / E1.
+    shear_moduli:
+        G12, G13, G23 in Pa.
+
+    Raises
+    ------
+    InputError
+        for constants of which the elastic energy is not positive.
+    """
+    (e1, e2, e3), (nu12, nu13, nu23), (g12, g13, g23) = young_moduli, poisson_ratios, shear_moduli
+    if not min(e1, e2, e3, g12, g13, g23) > 0.0:
+        raise InputError("Young's moduli and shear moduli of an orthotropic material must be above 0.")
+    compliance = np.diag([1.0 / e1, 1.0 / e2, 1.0 / e3, 1.0 / g12, 1.0 / g23, 1.0 / g13])
+    for (row, column), value in (((0, 1), -nu12 / e1), ((0, 2), -nu13 / e1), ((1, 2), -nu23 / e2)):
+        compliance[row, column] = compliance[column, row] = value
+    if not np.linalg.eigvalsh(compliance)[0] > 0.0:
+        raise InputError(
+            f"Poisson's ratios {nu12:g}, {nu13:g}, {nu23:g} do not fit Young's moduli {e1:g}, {e2:g}, {e3:g} Pa: the "
+            "elastic energy would be negative. Ratios nu12 and nu13 belong to tension along axis 1, nu23 along axis 2."
+        )
+    return np.asarray(np.linalg.inv(compliance))
+
+
+def rotated_matrix(elastic: ArrayLike, axes: ArrayLike) -> FloatArray:
+    """(6, 6) Pa in x, y, z from that in axes 1, 2, 3: unit vectors in x, y, z, the rows of ``axes`` (3, 3)."""
+    turn = np.asarray(axes, dtype=float)
+    local = np.empty((3, 3, 3, 3))
+    matrix = np.asarray(elastic, dtype=float)
+    for row, (i, j) in enumerate(_AXES):
+        for column, (k, m) in enumerate(_AXES):
+            local[i, j, k, m] = local[j, i, k, m] = local[i, j, m, k] = local[j, i, m, k] = matrix[row, column]
+    turned = np.einsum("ai,bj,ck,dl,abcd->ijkl", turn, turn, turn, turn, local, optimize=True)
+    first, second = np.array(_AXES).T
+    return np.asarray(turned[first[:, None], second[:, None], first, second])
+
+
+def anisotropic_material(elastic: ArrayLike, density: float) -> Material:
+    """Material with the elastic matrix (6, 6) Pa in x, y, z, and its density in kg/m3.
+
+    ``young_modulus`` and ``poisson_ratio`` are the averages of Voigt and Reuss over all directions (Hill): half the
+    sum of the isotropic moduli of the averaged stiffness and of the averaged compliance. The contact stiffness of rough
+    faces uses them. Source: R. Hill, The elastic behaviour of a crystalline aggregate, Proc. Phys. Soc. A 65 (1952)
+    349-354.
+
+    Raises InputError for a matrix that is not finite, not symmetric, or whose elastic energy is not positive.
+    """
+    matrix = np.asarray(elastic, dtype=float)
+    largest = float(np.abs(matrix).max())
+    if matrix.shape != (6, 6) or not np.isfinite(largest) or np.abs(matrix - matrix.T).max() > _SYMMETRIC * largest:
+        raise InputError("the elastic matrix must have 6 x 6 finite numbers and be symmetric.", arguments=["elastic"])
+    matrix = 0.5 * (matrix + matrix.T)
+    eigenvalues = np.linalg.eigvalsh(matrix)
+    if not eigenvalues[0] > _SMALLEST * eigenvalues[-1]:
+        raise InputError(
+            f"the elastic matrix has the eigenvalue {eigenvalues[0]:.4g} Pa (largest: {eigenvalues[-1]:.4g} Pa). All "
+            "must be above 0: check the order of the constants.",
+            arguments=["elastic"],
+        )
+    compliance = np.linalg.inv(matrix)
+    bulk = 0.5 * (matrix[:3, :3].sum() / 9.0 + 1.0 / compliance[:3, :3].sum())
+    voigt = (3.0 * np.trace(matrix[:3, :3]) - matrix[:3, :3].sum()) / 30.0 + np.trace(matrix[3:, 3:]) / 5.0
+    reuss = 15.0 / (
+        2.0 * (3.0 * np.trace(compliance[:3, :3]) - compliance[:3, :3].sum()) + 3.0 * np.trace(compliance[3:, 3:])
+    )
+    shear = 0.5 * (voigt + reuss)
+    young = 9.0 * bulk * shear / (3.0 * bulk + shear)
+    ratio = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear))
+    return Material(float(young), float(ratio), density, elastic=tuple(map(tuple, matrix.tolist())))

@@ -1,0 +1,118 @@
+"""One sector of a disk before its reduction, and the motion of its mesh from the reduced unknowns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from stickslip.core.errors import InputError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.validation import FloatArray
+from stickslip.structure.cyclic_sector import CyclicSector, PairsOfNodes, folded
+from stickslip.structure.cyclic_symmetry import CyclicSymmetry
+from stickslip.structure.elasticity import Structure, natural_frequencies
+from stickslip.structure.factor import factorize
+from stickslip.structure.mesh import IntArray, Mesh
+from stickslip.structure.phase_lag import LaggedModel
+from stickslip.structure.sector_reduction import cyclic_sector, lagged_model
+
+
+@dataclass(frozen=True)
+class SectorStructure:
+    """The structure of one sector with both its boundaries, and how it continues in the next sector."""
+
+    structure: Structure
+    symmetry: CyclicSymmetry
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh of the sector."""
+        return self.structure.mesh
+
+    @cached_property
+    def model(self) -> LaggedModel:
+        """The matrices for any phase lag. Raises InputError, see :func:`lagged_model`."""
+        return lagged_model(self.structure, self.symmetry)
+
+    def reduced(
+        self, nodes: IntArray, n_modes: int, threads: int = 1, progress: ProgressCallback | None = None
+    ) -> CyclicSector:
+        """The sector in the unknowns of nodes, for all nodal diameters. See :func:`cyclic_sector`."""
+        return cyclic_sector(self.structure, self.symmetry, nodes, n_modes=n_modes, threads=threads, progress=progress)
+
+    def stuck_frequencies(self, pairs: PairsOfNodes, springs: FloatArray, diameter: int, count: int) -> FloatArray:
+        """(count,) Hz, the lowest natural frequencies of a nodal diameter with stuck pairs.
+
+        ``springs`` (3 * n_pairs,) N/m are those of the pairs; a body that moves freely has frequencies near 0 Hz.
+        """
+        stiffness, mass, _ = self.model.at(diameter, self.symmetry.sectors)
+        lag = self._lag(diameter)
+        here = self._displacements(lag)
+        rotation = scipy.sparse.kron(scipy.sparse.identity(self.mesh.n_nodes), self.symmetry.rotation(), format="csr")
+        both = scipy.sparse.vstack([here, lag * (rotation @ here)], format="csr")
+        operator = pairs.mesh_operator(2 * self.mesh.n_nodes) @ both
+        joined = stiffness + operator.conj().T @ (scipy.sparse.diags(springs) @ operator)
+        return np.asarray(natural_frequencies(joined.tocsr(), mass, count)[0])
+
+    def motion(self, sector: CyclicSector, coefficients: FloatArray, waves: Sequence[int]) -> FloatArray:
+        """Displacements (3 * n_nodes, 2H+1) m of the mesh from coefficients (n, 2H+1) of the unknowns of ``sector``.
+
+        ``waves`` are the signed numbers of waves round the disk of the harmonics 1 to H
+        (:meth:`stickslip.solve.excitation.TravellingWave.waves`). Interior displacements are
+        ``Phi_d q - K_ii^-1 K_ib u_b`` of the nodal diameter d of each harmonic.
+        """
+        answer = np.zeros((3 * self.mesh.n_nodes, coefficients.shape[1]))
+        answer[:, 0] = self._recovered(sector, coefficients[:, 0], 0).real
+        for order, number in enumerate(waves, start=1):
+            amplitude = coefficients[:, 2 * order - 1] - 1j * coefficients[:, 2 * order]
+            moved = self._recovered(sector, amplitude, number)
+            answer[:, 2 * order - 1], answer[:, 2 * order] = moved.real, -moved.imag
+        return answer
+
+    def _recovered(self, sector: CyclicSector, unknowns: Any, waves: int) -> Any:
+        """(3 * n_nodes,) complex displacements of unknowns (n,) in a wave; the other direction is the conjugate one."""
+        diameter = folded(waves, sector.sectors)
+        if waves % sector.sectors != diameter:
+            return self._recovered(sector, unknowns.conj(), diameter).conj()
+        modes = sector.diameters[diameter].modes
+        if modes is None:
+            raise InputError(
+                "the motion of the mesh requires a sector with fixed-interface modes, such as that of cyclic_sector.",
+                arguments=["sector"],
+            )
+        stiffness = self.model.at(diameter, sector.sectors)[0]
+        boundary = np.searchsorted(self.model.remaining, self.structure.unknowns_of(sector.boundary_nodes).ravel())
+        interior = np.setdiff1d(np.arange(self.model.remaining.size), boundary)
+        free = np.zeros(self.model.remaining.size, dtype=complex)
+        free[boundary] = unknowns[: boundary.size]
+        factor = factorize(stiffness[interior][:, interior])
+        load = stiffness[interior][:, boundary] @ free[boundary]
+        # The matrices of diameters 0 and N / 2 are real.
+        static = (
+            factor.solve(load) if factor.dtype is complex else factor.solve(load.real) + 1j * factor.solve(load.imag)
+        )
+        free[interior] = modes @ unknowns[boundary.size :] - static
+        return self._displacements(self._lag(diameter)) @ free
+
+    def _lag(self, waves: int) -> complex:
+        return complex(np.exp(2j * np.pi * waves / self.symmetry.sectors))
+
+    def _displacements(self, lag: complex) -> Any:
+        """csr (3 * n_nodes, n) complex: displacements of the mesh from the unknowns of the model, with the lag to the
+        next sector. The right boundary is ``lag R`` times the left one."""
+        size, remaining = self.structure.full_size, self.structure.free_unknowns[self.model.remaining]
+        here = scipy.sparse.csr_matrix(
+            (np.ones(remaining.size), (remaining, np.arange(remaining.size))), shape=(size, remaining.size)
+        )
+        count = self.symmetry.left.size
+        left, right = (
+            (3 * nodes[:, None] + np.arange(3)).ravel() for nodes in (self.symmetry.left, self.symmetry.right)
+        )
+        rotation = scipy.sparse.kron(scipy.sparse.identity(count), self.symmetry.rotation(), format="csr")
+        ahead = scipy.sparse.csr_matrix((np.ones(3 * count), (right, np.arange(3 * count))), shape=(size, 3 * count))
+        return (here + lag * (ahead @ (rotation @ here[left]))).tocsr()

@@ -1,0 +1,121 @@
+"""The whole disk of a study of one sector: its picture, its motion, and its natural frequencies by nodal diameter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.linalg
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.pairing.face_pairs import FacePairs
+from stickslip.core.validation import FloatArray
+from stickslip.model.layout import Layout
+from stickslip.model.model import Model, kind_of
+from stickslip.results.disk import Disk
+from stickslip.solve.excitation import TravellingWave, lag_of
+from stickslip.structure.craig_bampton import ReductionRow
+from stickslip.structure.cyclic_sector import CyclicSector, folded
+from stickslip.structure.ring import Ring
+from stickslip.structure.sector_structure import SectorStructure
+from stickslip.structure.superelement import moves_freely
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+FAMILIES = 6  # chosen: the lowest natural frequencies of each nodal diameter in the diagram
+
+
+@dataclass(frozen=True)
+class DiskOfStudy:
+    """The disk of a model of one sector, under the wave of its case."""
+
+    structure: SectorStructure
+    sector: CyclicSector
+    pairs: ContactPairs
+    face_pairs: FacePairs
+    wave: TravellingWave
+
+    @classmethod
+    def of(cls, case: Case, model: Model) -> DiskOfStudy | None:
+        """The disk of a study of a sector; None for any other structure."""
+        wave = kind_of(case).wave(case)
+        if wave is None or not isinstance(model.structure, SectorStructure):
+            return None
+        assert isinstance(model.substructure, CyclicSector)
+        return cls(model.structure, model.substructure, model.pairs, model.joint.face_pairs, wave)
+
+    @cached_property
+    def ring(self) -> Ring:
+        """The mesh of all sectors."""
+        return Ring.of(self.structure.mesh, self.structure.symmetry)
+
+    def sector_motion(self, displacement: FloatArray) -> FloatArray:
+        """Displacements (3 * n_nodes, 2H+1) m of the mesh of the sector from the unknowns (2n, 2H+1) of a response."""
+        own = displacement[: self.sector.size]
+        waves = [self.wave.waves(order) for order in range(1, own.shape[1] // 2 + 1)]
+        return self.structure.motion(self.sector, own, waves)
+
+    def ring_motion(self, motion: FloatArray) -> FloatArray:
+        """Displacements (3 * n_ring, 2H+1) m of all sectors from those of the mesh of the sector."""
+        sectors = self.sector.sectors
+        return self.ring.motion(np.stack([self.wave.shifted(motion, sectors, ahead) for ahead in range(sectors)]))
+
+    def ring_layout(self, layout: Layout) -> Layout:
+        """The layout on the mesh of all sectors; loads and responses are those of the first one."""
+        ring, sectors, pairs = self.ring, range(self.sector.sectors), layout.face_pairs
+        copied = {
+            name: np.concatenate([getattr(pairs, name)] * len(sectors))
+            for name in ("first_weights", "second_weights", "gap", "points", "area", "normal", "tangent1", "tangent2",
+                         "face", "face_position")
+        }  # fmt: skip
+        for name in ("first_nodes", "second_nodes"):
+            copied[name] = np.concatenate([ring.of_two(getattr(pairs, name), sector) for sector in sectors])
+        return replace(
+            layout,
+            face_pairs=replace(pairs, **copied),
+            node_groups={
+                name: replace(group, nodes=ring.number[0, group.nodes]) for name, group in layout.node_groups.items()
+            },
+            contact_sets=tuple(tuple(map(ring.set_name, names)) for names in layout.contact_sets),
+        )
+
+    def frequencies(self) -> Disk:
+        """The natural frequencies of each nodal diameter with both linear limits of the contact."""
+        diameters = sorted(self.sector.diameters)
+        tables = [[self._frequencies(each, is_stuck) for each in diameters] for is_stuck in (True, False)]
+        count = min(FAMILIES, *(row.size for table in tables for row in table))
+        stuck, free = (np.array([row[:count] for row in table]) for table in tables)
+        return Disk(self.sector.sectors, self.wave.engine_order, self.wave.direction, np.array(diameters), stuck, free)
+
+    def _frequencies(self, diameter: int, is_stuck: bool) -> FloatArray:
+        """Hz, rising, without motions of free bodies."""
+        stiffness, mass = self._matrices(diameter, is_stuck)
+        squares, modes = scipy.linalg.eigh(stiffness, mass)
+        return np.asarray(np.sqrt(squares[~moves_freely(stiffness, modes)].clip(0.0)) / (2.0 * np.pi))
+
+    def _matrices(self, diameter: int, is_stuck: bool) -> tuple[Any, Any]:
+        """Stiffness and mass (n, n) of a nodal diameter."""
+        matrices = self.sector.lagged(diameter)
+        if not is_stuck:
+            return matrices.stiffness, matrices.mass
+        here, ahead = np.hsplit(self.pairs.operator, 2)
+        operator = here + lag_of(diameter, self.sector.sectors) * ahead
+        springs = self.pairs.resting_stiffness()[:, None]
+        return matrices.stiffness + operator.conj().T @ (springs * operator), matrices.mass
+
+    def mode_rows(self, count: int) -> tuple[ReductionRow, ...]:
+        """Frequencies of the full and the reduced sector with stuck pairs, in the nodal diameter of the wave."""
+        diameter = folded(self.wave.waves(1), self.sector.sectors)
+        springs = self.pairs.resting_stiffness()
+        count = min(count, self.structure.model.remaining.size - 1)
+        full = self.structure.stuck_frequencies(self.face_pairs, springs, diameter, count)
+        squares = scipy.linalg.eigh(*self._matrices(diameter, is_stuck=True), eigvals_only=True)
+        reduced = np.sqrt(squares[:count].clip(0.0)) / (2.0 * np.pi)
+        return tuple(
+            ReductionRow(place, float(one), float(other), float(100.0 * (other / one - 1.0)), math.nan)
+            for place, (one, other) in enumerate(zip(full, reduced, strict=True), start=1)
+        )

@@ -1,0 +1,235 @@
+"""Studies of kind "cyclic": the parametric disk, the same sector from a mesh file, and bad input."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from model_writers import write_inp
+from sentences import printed_sentence, rejects
+from stickslip.case.case import Case
+from stickslip.case.examples import EXAMPLES
+from stickslip.core.errors import InputError, StudyFileError
+from stickslip.model.kinds.cyclic import CyclicSetup
+from stickslip.model.model import build_model, load_joint, set_up
+from stickslip.reporting.page import page
+from stickslip.results.measures import summary
+from stickslip.results.storage import load_results, save_results
+from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.structure.mesh import Mesh
+from stickslip.study.check import check
+from stickslip.study.disk import DiskOfStudy
+from stickslip.study.proposal import propose
+from stickslip.study.solution import solve_case
+
+# A small disk that solves in seconds.
+COARSE = {"contact_columns": 2, "contact_rows": 1, "sectors": 20}
+FACES = ["damper here", "damper ahead", "platform right", "platform left"]
+
+
+def data(**structure: Any) -> dict[str, Any]:
+    content = copy.deepcopy(EXAMPLES["bladed-disk"])
+    content["structure"] = {"kind": "cyclic", **(COARSE | structure)}
+    content["analysis"] = {"stiffness_band": False}
+    content["reduction"] = {"modes": 8}
+    content["output"] = {"figure_formats": []}
+    return content
+
+
+def changed(**sections: Any) -> Case:
+    """The coarse disk with other sections."""
+    return Case.from_mapping({**data(), **sections})
+
+
+def mesh_of(case: Case) -> Mesh:
+    setup = set_up(case)
+    assert isinstance(setup, CyclicSetup)
+    return setup.sector.mesh
+
+
+def file_data(folder: Path, **structure: Any) -> dict[str, Any]:
+    """The study of the coarse disk from a mesh file."""
+    named = mesh_of(changed())
+    mesh = Mesh(
+        named.points,
+        named.cells,
+        named.body,
+        {key.replace(" ", "_"): value for key, value in named.node_sets.items() if key not in FACES},
+        ("blade", "damper"),
+        {key.replace(" ", "_"): value for key, value in named.face_sets.items()},
+    )
+    write_inp(folder / "sector.inp", mesh, ["blade", "damper"], [face.replace(" ", "_") for face in FACES], "bore")
+    content = data()
+    content["structure"] = {
+        "kind": "cyclic", "file": str(folder / "sector.inp"), "length_unit": "mm",
+        "left": "left_boundary", "right": "right_boundary", **structure,
+    }  # fmt: skip
+    del content["material"]
+    for interface in content["interfaces"].values():
+        interface |= {key: interface[key].replace(" p", "_p").replace("r h", "r_h").replace("r a", "r_a")
+                      .replace("m r", "m_r").replace("m l", "m_l").replace("next_p", "next p")
+                      for key in ("first", "second")}  # fmt: skip
+    content["responses"]["damper"]["set"] = "damper_middle"
+    return content
+
+
+@pytest.mark.slow
+def test_the_study_of_a_file_is_that_of_the_dimensions(tmp_path: Path) -> None:
+    own = changed(material={"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"})
+    read = Case.from_mapping(file_data(tmp_path))
+    one, other = (set_up(case) for case in (own, read))
+    assert isinstance(one, CyclicSetup)
+    assert isinstance(other, CyclicSetup)
+    assert one.symmetry.sectors == other.symmetry.sectors == 20
+    joints = [load_joint(case, setup.layout) for case, setup in ((own, one), (read, other))]
+    np.testing.assert_allclose(joints[0].normal_stiffness, joints[1].normal_stiffness, rtol=1e-6)
+    frequencies = [
+        setup.assemble().stuck_frequencies(joint.face_pairs, joint.resting_springs, 4, 3)
+        for setup, joint in zip((one, other), joints, strict=True)
+    ]
+    np.testing.assert_allclose(frequencies[0], frequencies[1], rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_the_page_of_a_disk(tmp_path: Path) -> None:
+    case = changed(solver={"frequency_start": "580 Hz", "frequency_stop": "600 Hz", "harmonics": 2, "samples": 64})
+    solution = solve_case(case)
+    assert solution.converged
+    disk = DiskOfStudy.of(case, solution.model)
+    assert disk is not None
+    record = solution.record
+    assert record.disk is not None
+    assert record.disk.diameter == 4
+    np.testing.assert_array_equal(record.disk.diameters, np.arange(11))
+    # the diagram at the diameter of the wave has the linear limits of the curve
+    np.testing.assert_allclose(record.disk.stuck_hz[4, :2], solution.response.linear.stuck_frequency_hz[:2], rtol=1e-9)
+    differences = [float(row["difference_percent"]) for row in record.mode_table[:2]]
+    assert all(0.0 <= each < 0.5 for each in differences)
+    # the motion of the mesh is that of the response at its node, and all sectors move alike
+    assert solution.motion is not None
+    tip = int(mesh_of(case).node_set("tip")[0])
+    point = int(np.argmin(np.abs(solution.response.frequency_hz - solution.motion.frequency_hz)))
+    expected = solution.response.coefficients(solution.model.outputs["tip"])[point]
+    np.testing.assert_allclose(solution.motion.displacement[3 * tip + 1], expected, rtol=1e-9)
+    whole = disk.ring_motion(solution.motion.displacement).reshape(-1, 3, expected.size)
+    tips = whole[disk.ring.number[:, tip]]
+    # the motion along the axis of the disk needs no rotation
+    amplitude = np.linalg.norm(tips[:, 2, 1:3], axis=1)
+    np.testing.assert_allclose(amplitude, amplitude[0], rtol=1e-9)
+    later = tips[1, 2, 1] - 1j * tips[1, 2, 2]
+    here = tips[0, 2, 1] - 1j * tips[0, 2, 2]
+    np.testing.assert_allclose(later / here, np.exp(-2j * np.pi * 4 / 20), rtol=1e-9)
+    save_results(tmp_path / "results.nc", solution.response, record)
+    saved = load_results(tmp_path / "results.nc")
+    assert saved.study is not None
+    assert saved.study.disk is not None
+    np.testing.assert_array_equal(saved.study.disk.free_hz, record.disk.free_hz)
+    text = str(page(solution.response, record))
+    assert "Every sector has the same amplitude" in text
+    assert "Nodal diameter of 20 sectors" in text
+    assert summary(solution.response, solution.model.outputs["tip"]).peak.amplitude < 1e-3
+
+
+def test_check_of_a_disk() -> None:
+    rows = {label: value for _, section in check(changed()) for label, value in section}
+    assert rows["disk"] == "20 sectors about (0, 0, 1) through (0, 0, 0) mm"
+    assert rows["excitation"].startswith("Forward wave of engine order 4")
+
+
+@pytest.mark.slow
+def test_the_proposal_of_a_disk() -> None:
+    case = changed()
+    proposal = propose(case)
+    assert proposal.onset is not None
+    assert proposal.onset.stuck_peak is not None
+    model = build_model(case)
+    assert isinstance(model.substructure, CyclicSector)
+    # an independent way to the same peak: the dense dynamic stiffness of the nodal diameter
+    sector, pairs = model.substructure, model.pairs
+    here, ahead = np.hsplit(pairs.operator, 2)
+    operator = here + np.exp(-2j * np.pi * 4 / 20) * ahead
+    matrices = sector.lagged(-4)
+    stiffness = matrices.stiffness + operator.conj().T @ (pairs.resting_stiffness()[:, None] * operator)
+    squares, modes = scipy.linalg.eigh(stiffness, matrices.mass)
+    row = model.outputs["tip"][: sector.size]
+    omega = 2.0 * np.pi * proposal.onset.stuck_peak.frequency_hz
+    gain = (row @ modes) * (modes.conj().T @ row) / (squares - omega**2 + 2e-3j * np.sqrt(squares.clip(0.0)) * omega)
+    np.testing.assert_allclose(proposal.onset.stuck_peak.amplitude, 0.5 * abs(gain.sum()), rtol=1e-3)
+    assert 550.0 < proposal.onset.stuck_peak.frequency_hz < 620.0
+    assert proposal.onset.first is not None
+    assert proposal.frequency_hz is not None
+
+
+REJECTED: list[tuple[str, dict[str, Any]]] = [
+    ("analysis.kind", {"analysis": {"kind": "mode"}}),
+    ("analysis.search", {"analysis": {"search": True}}),
+    ("preload.method", {"preload": {"method": "solved"}}),
+    ("damping.modal_damping_ratio", {"damping": {"modal_damping_ratio": 0.0}}),
+    ("travelling_wave.engine_order", {"travelling_wave": {"direction": "backward"}}),
+    ("travelling_wave.direction", {"travelling_wave": {"engine_order": 3, "direction": "left"}}),
+    ("structure.left", {"structure": {"kind": "cyclic", "left": "here"}}),
+    ("structure.sectors", {"structure": {"kind": "cyclic", "sectors": 1}}),
+    (
+        "static_loads",
+        {"static_loads": {"own": {"set": "tip", "direction": [0, 0, 1], "force": "3 N"}}},
+    ),
+]
+
+
+@pytest.mark.parametrize(("key", "sections"), REJECTED)
+def test_sections_that_a_sector_does_not_allow(key: str, sections: dict[str, Any]) -> None:
+    if key in ("preload.method", "damping.modal_damping_ratio"):
+        sections = sections | {"interfaces": data()["interfaces"]}
+    with pytest.raises(StudyFileError) as caught:
+        changed(**sections)
+    assert key in caught.value.keys
+    printed_sentence(str(caught.value))
+
+
+def test_a_wave_that_is_missing() -> None:
+    content = data()
+    del content["travelling_wave"]
+    with rejects(StudyFileError, "travelling_wave"):
+        Case.from_mapping(content)
+
+
+def test_dimensions_that_do_not_fit() -> None:
+    with rejects(InputError, "structure.rim_radius"):
+        set_up(Case.from_mapping(data(rim_radius="50 mm")))
+
+
+BAD_FILES: list[tuple[str, dict[str, Any]]] = [
+    ("structure.left", {"left": "nothing"}),
+    ("structure.sectors", {"sectors": 24}),
+    ("structure.right", {"right": "bore"}),
+    ("structure.left", {"axis": [1, 1, 0]}),
+    ("structure.axis_point", {"axis_point": ["0 mm", "0 mm", "0 mm"]}),
+]
+
+
+@pytest.mark.parametrize(("key", "structure"), BAD_FILES)
+def test_a_sector_that_is_none(tmp_path: Path, key: str, structure: dict[str, Any]) -> None:
+    case = Case.from_mapping(file_data(tmp_path, **structure))
+    with pytest.raises(InputError) as caught:
+        set_up(case)
+    assert key in caught.value.keys
+    printed_sentence(str(caught.value))
+
+
+def test_faces_of_the_next_sector_alone() -> None:
+    content = data()
+    content["interfaces"]["own platform"] |= {"first": "next damper here", "second": "next platform right"}
+    with rejects(InputError, "interfaces.own platform"):
+        set_up(Case.from_mapping(content))
+
+
+def test_a_force_on_a_constrained_node() -> None:
+    content = data()
+    content["forces"]["gas"]["set"] = "bore"
+    with rejects(InputError, "forces.gas"):
+        set_up(Case.from_mapping(content))
