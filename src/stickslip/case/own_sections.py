@@ -303,10 +303,7 @@ class TieSection(Section):
 
 
 class RotationSection(Section):
-    """Constant rotation of the complete model: the centrifugal load of all bodies, for a solved preload.
-
-    The structure has its stiffness at rest.
-    """
+    """Constant rotation of the complete model: the centrifugal load of all bodies, for a solved preload."""
 
     speed: RotationSpeed = Field(description="revolutions per minute or rad/s")
     axis: Direction = Field(description="[x, y, z] along the axis")
