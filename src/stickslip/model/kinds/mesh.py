@@ -245,6 +245,7 @@ def _layout(
     messages = (
         *source.messages,
         *_unused_forces(source),
+        *_stiffness_at_rest(case),
         *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
     )
     return Layout(
@@ -266,6 +267,16 @@ def pairing_facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator
     for name, pairing in zip(names, pairings, strict=True):
         for label, value, unit in pairing.summary():
             yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "from the pairing of the faces"
+
+
+def _stiffness_at_rest(case: MeshCase) -> Iterator[str]:
+    if case.rotation is not None:
+        speed_rpm = case.rotation.speed * 60.0 / (2.0 * np.pi)
+        yield (
+            f"[rotation] at {speed_rpm:.4g} rpm loads the joint. The structure has its stiffness at rest, without "
+            "stress stiffening, spin softening and Coriolis forces, which raise or lower its frequencies. In Python, "
+            "stickslip.rotating computes them (docs/theory_rotation.md)."
+        )
 
 
 def _unused_forces(source: ImportedModel) -> Iterator[str]:
