@@ -3,10 +3,12 @@
     python benchmarks/stability_check.py            # all problems, about forty minutes
     python benchmarks/stability_check.py duffing    # those whose name begins so
 
-Points are the neighbours of each bifurcation and some spread over the curve. One motion starts at the point, another
-1 % too large. After the given number of periods the disturbance "dies out" if the two are closer than NEAR; it "leaves"
-if they are farther apart than FAR, or one of them is farther than ELSEWHERE from the point; else it is "unclear". A
-contradiction is a stable point that leaves, or an unstable one where the disturbance dies out.
+Points are the neighbours of each bifurcation (of changes of the verdict, on the torture set) and some spread over the
+curve. One motion starts at the point, another 1 % too large. After the given number of periods the disturbance "dies
+out" if the two are closer than NEAR; it "leaves" if they are farther apart than FAR, one of them is farther than
+ELSEWHERE from the point, or the motion that starts at the point changes from period to period more than GREW times as
+much as at first: another motion can be so near that a disturbance of 1 % does not tell them apart. Else it is
+"unclear". A contradiction is a stable point that leaves, or an unstable one where the disturbance dies out.
 """
 
 from __future__ import annotations
@@ -19,8 +21,10 @@ from dataclasses import dataclass
 import numpy as np
 from blade_problem import load_blade_problem
 from torture_problems import make as torture_problem
+from torture_problems import modal_damping_matrix, modes_of, with_springs
 
 import stickslip as ss
+from stickslip.solve.transient.integrate import TransientResponse
 
 FloatArray = np.ndarray
 DISTURBANCE = 0.01
@@ -28,6 +32,8 @@ DISTURBANCE = 0.01
 # keep from the disturbance, up to about its size. From the point both differ by the error of the balance, up to 4 %
 # beside the folds of the blade with half its preload; other stable motions are farther than 25 % away.
 NEAR, FAR, ELSEWHERE = 0.006, 0.02, 0.1
+GREW = 1.5
+MOST_CHANGES = 3
 SPREAD = 3  # points of a curve beside those at its bifurcations
 
 
@@ -45,6 +51,7 @@ class Problem:
     force_sin: FloatArray | None = None
     steps: int = 240
     periods: int = 80
+    is_random: bool = False  # then only changes of the verdict have points
 
 
 @dataclass(frozen=True)
@@ -57,11 +64,12 @@ class Checked:
     stable: bool
     apart: float
     away: float
+    growth: float
 
     @property
     def outcome(self) -> str:
         """What became of the disturbance."""
-        if self.away > ELSEWHERE or self.apart > FAR:
+        if self.away > ELSEWHERE or self.apart > FAR or self.growth > GREW:
             return "leaves"
         return "dies out" if self.apart < NEAR else "unclear"
 
@@ -158,6 +166,21 @@ def blade(preload: float, force: float, name: str) -> Problem:
     )
 
 
+def random_problem(kind: str, seed: int, name: str) -> Problem:
+    """A problem of the torture set, with its three harmonics."""
+    made = torture_problem(kind, seed)
+    structure, damping = made.structure, made.damping
+    if damping is None:
+        assert made.modal_damping_ratio is not None
+        springs = np.column_stack([made.tangential_stiffness, made.normal_stiffness])
+        stuck = modes_of(structure.mass, with_springs(structure, np.where(made.preload[:, None] >= 0.0, springs, 0.0)))
+        damping = modal_damping_matrix(structure.mass, *stuck, made.modal_damping_ratio)
+    return Problem(
+        name, ss.Superelement(structure.mass, structure.stiffness, damping), made.pairs(), made.force_cos,
+        made.window_hz, 3, 128, made.force_sin, 480, 150, True,
+    )  # fmt: skip
+
+
 def rigid_damper(seed: int, name: str) -> Problem:
     """A random rigid damper that friction alone supports: it rattles, and walks on in each cycle."""
     made = torture_problem("damper", seed)
@@ -166,6 +189,10 @@ def rigid_damper(seed: int, name: str) -> Problem:
     return Problem(name, made.superelement(), made.pairs(), force[0], made.window_hz, 9, 256, force[1], 480, 200)
 
 
+RANDOM = (
+    ("high", 0), ("high", 10), ("low", 2), ("light", 1), ("narrow", 0), ("narrow", 1), ("narrow", 2), ("twins", 0),
+    ("twins", 2), ("multi", 2), ("wide", 0), ("chain", 1), ("beam", 2),
+)  # fmt: skip
 PROBLEMS: dict[str, Callable[[str], Problem]] = {
     "duffing, hardening": lambda name: duffing(0.4, 0.25, (0.5, 3.0), name),
     "duffing, softening": lambda name: duffing(-0.05, 0.12, (0.4, 1.4), name),
@@ -185,21 +212,33 @@ PROBLEMS: dict[str, Callable[[str], Problem]] = {
     "blade, half the preload": lambda name: blade(0.5, 1.0, name),
     "rigid damper 3": lambda name: rigid_damper(3, name),
     "rigid damper 9": lambda name: rigid_damper(9, name),
+    **{
+        f"{kind} {seed}": lambda name, kind=kind, seed=seed: random_problem(kind, seed, name)  # type: ignore[misc]
+        for kind, seed in RANDOM
+    },
 }
 
 
-def chosen_points(response: ss.ForcedResponse) -> list[int]:
-    """Both neighbours of each bifurcation, two points farther away, and some spread over the curve."""
+def chosen_points(response: ss.ForcedResponse, changes_alone: bool = False) -> list[int]:
+    """Both neighbours of each bifurcation, two points farther away, and some spread over the curve.
+
+    With ``changes_alone``, of up to MOST_CHANGES changes of the verdict.
+    """
     last = response.n_points - 1
     points = set(np.linspace(0.15 * last, 0.85 * last, SPREAD).round().astype(int).tolist())
-    for each in response.bifurcations:
-        before = int(each.position)
-        points |= {max(0, before - 2), min(last, before + 3)}
+    before = [int(each.position) for each in response.bifurcations]
+    if changes_alone:
+        assert response.stable is not None
+        changes = np.flatnonzero(response.stable[1:] != response.stable[:-1])
+        spread = np.linspace(0, changes.size - 1, min(changes.size, MOST_CHANGES)).round().astype(int)
+        before = changes[spread].tolist()
+    for each in before:
+        points |= {max(0, each - 2), min(last, each + 3)}
     return sorted(points)
 
 
-def last_period(problem: Problem, response: ss.ForcedResponse, point: int, disturbance: float) -> FloatArray:
-    """(n_steps, n) displacements of the last of some periods from a point whose motion starts too large."""
+def motion_from(problem: Problem, response: ss.ForcedResponse, point: int, disturbance: float) -> TransientResponse:
+    """Some periods from a point whose motion starts too large."""
     start = ss.start_from_response(response, point)
     mean = response.displacement[point][:, 0]
     start["initial_displacement"] = mean + (1.0 + disturbance) * (start["initial_displacement"] - mean)
@@ -208,13 +247,16 @@ def last_period(problem: Problem, response: ss.ForcedResponse, point: int, distu
     return ss.integrate_to_steady_state(
         problem.superelement, problem.pairs, problem.force_cos, sine, float(response.frequency_hz[point]),
         steps_per_period=problem.steps, max_periods=problem.periods, tolerance=1e-9, **start,
-    ).displacement  # fmt: skip
+    )  # fmt: skip
 
 
-def distances_after(problem: Problem, response: ss.ForcedResponse, point: int) -> tuple[float, float]:
-    """Distance of the two motions after some periods, and of the farther one from the point, over its size."""
+def distances_after(problem: Problem, response: ss.ForcedResponse, point: int) -> tuple[float, float, float]:
+    """Distance of the two motions after some periods, and of the farther one from the point, over its size; largest
+    change of the first one from period to period over that in its first two."""
     expected = np.array([response.signal(row, point, problem.steps) for row in np.eye(response.n_unknowns)]).T
-    quiet, disturbed = (last_period(problem, response, point, size) for size in (0.0, DISTURBANCE))
+    motions = [motion_from(problem, response, point, size) for size in (0.0, DISTURBANCE)]
+    quiet, disturbed = (motion.displacement for motion in motions)
+    changes = motions[0].period_change
 
     # Where a body comes to rest, or walks to, is not determined if friction alone supports it; the swing is.
     times = np.linspace(0.0, 1.0, problem.steps, endpoint=False)
@@ -225,7 +267,8 @@ def distances_after(problem: Problem, response: ss.ForcedResponse, point: int) -
         return float(np.linalg.norm(swing @ motion))
 
     away = max(size(quiet - expected), size(disturbed - expected))
-    return size(disturbed - quiet) / size(expected), away / size(expected)
+    growth = float(changes.max() / changes[:2].max())
+    return size(disturbed - quiet) / size(expected), away / size(expected), growth
 
 
 def solve(problem: Problem) -> ss.ForcedResponse:
@@ -249,7 +292,7 @@ def check(problem: Problem, points: Sequence[int] | None = None) -> list[Checked
             bool(response.stable[point]),
             *distances_after(problem, response, point),
         )
-        for point in (chosen_points(response) if points is None else points)
+        for point in (chosen_points(response, problem.is_random) if points is None else points)
     ]
 
 
@@ -257,8 +300,8 @@ def main() -> None:
     """Print the table and the number of contradictions."""
     wanted = sys.argv[1] if len(sys.argv) > 1 else ""
     every: list[Checked] = []
-    print("| problem | Hz | largest multiplier | verdict | apart, % | from the point, % | disturbance |")
-    print("|---|---|---|---|---|---|---|")
+    print("| problem | Hz | largest multiplier | verdict | apart, % | from the point, % | growth | disturbance |")
+    print("|---|---|---|---|---|---|---|---|")
     for name, make in PROBLEMS.items():
         if not name.startswith(wanted):
             continue
@@ -269,7 +312,7 @@ def main() -> None:
             mark = " (CONTRADICTION)" if each.contradicts else ""
             print(
                 f"| {name} | {each.frequency_hz:.5g} | {each.multiplier:.4f} | {verdict} | {100 * each.apart:.2g} | "
-                f"{100 * each.away:.2g} | {each.outcome}{mark} |",
+                f"{100 * each.away:.2g} | {each.growth:.2g} | {each.outcome}{mark} |",
                 flush=True,
             )
         print(f"{name}: {time.perf_counter() - began:.0f} s", file=sys.stderr)

@@ -1,12 +1,14 @@
 """Create the pictures of docs/questions.md from the results of its commands.
 
-python docs/make_question_pictures.py FOLDER [BROWSER]    (FOLDER contains mode, gradients, design and band)
+python docs/make_question_pictures.py FOLDER [BROWSER]    (FOLDER with mode, gradients, design, band, performance)
 """
 
 import sys
 from pathlib import Path
 
 from playwright.sync_api import sync_playwright
+
+from stickslip.results.storage import load_results
 
 IMAGES = Path(__file__).parent / "images"
 MOST_HEIGHT = 640  # px; tables below a plot are not in the picture
@@ -21,6 +23,9 @@ SECTIONS = {
 
 def main(folder: str, program: str | None = None) -> None:
     """Write the pictures. ``program`` is a browser; the default is the browser of playwright."""
+    curve = load_results(Path(folder) / "performance" / "results.nc").response.performance_curve
+    assert curve is not None
+    curve.plot().savefig(IMAGES / "question_performance.png", dpi=120)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])
         page = browser.new_page(viewport={"width": 900, "height": 900})

@@ -17,6 +17,7 @@ IMAGES = Path(__file__).parent / "images"
 # heading of the section -> name of the picture
 SECTIONS = {
     "Amplitude against frequency": "report_curve.png",
+    "Performance curve of the damper": "report_performance.png",
     "Structure": "report_structure.png",
     "Contact states": "report_states.png",
     "Hysteresis and time signals of one pair": "report_loop.png",

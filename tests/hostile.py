@@ -212,14 +212,15 @@ def hostile_paper_page(picture: Any) -> dict[str, Any]:
         "figures": {"sides": picture},
         "counts": {},
         "failures": [Failure(setting, hostile("failure"))],
+        "summary": (hostile("summary"),),
         "inputs": STUDY_TEXT,
         "provenance": {hostile("software"): hostile("version")},
     }
 
 
 PAPER_FIELDS = _fields(
-    "caption heading heading-unit cell reason item statement note picture question failure inputs changed software "
-    "version"
+    "caption heading heading-unit cell reason item statement note picture question failure summary inputs changed "
+    "software version"
 )
 
 

@@ -31,7 +31,7 @@ PAPER = SOURCE / "papers" / "rough_damper"
 _TAG_NAMES = (
     "html head meta title link style body header div p h1 h2 h3 main section ul li small b button figure "
     "figcaption label output input select option span table caption thead tbody tr th td pre footer "
-    "script svg rect path circle sub details summary nav a img"
+    "script svg rect path circle sub details summary nav a img code"
 )
 TAGS = frozenset(_TAG_NAMES.split())
 

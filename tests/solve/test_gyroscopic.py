@@ -46,6 +46,7 @@ def whirling_hz(structure: Any, stiffness: Any) -> Any:
     return np.sort(values[values > 0.0]) / (2.0 * np.pi)
 
 
+@pytest.mark.slow
 def test_stuck_response_is_that_of_the_dynamic_stiffness(structure: Any) -> None:
     response = ss.forced_response(structure, pairs_with(1e4), COS, SIN, frequency_hz=(40.0, 90.0), harmonics=1)
     assert (response.contact_state == ss.ContactState.STUCK).all()

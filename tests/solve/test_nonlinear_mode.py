@@ -15,6 +15,7 @@ from known_modes import BEAM_RATIO, friction_beam, one_mass, two_masses
 from sentences import printed_sentence, rejects
 from stickslip.contact.law.closed_forms import jenkins_loop
 from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.solve import nonlinear_mode as modes
 from stickslip.solve.path.stepping import ContinuationSettings
 
 # Two masses (Krack's concept, GitHub Nidish96/twodoffrict, rigid friction, 33 harmonics): modal amplitude, rad/s, xi.
@@ -224,6 +225,16 @@ def test_high_damping_has_a_warning() -> None:
 
 
 @pytest.mark.slow
+def test_harmonics_grow_within_the_allowed_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without work for a second branch, the mode of the first one remains, with its error and the remedy."""
+    monkeypatch.setattr(modes, "MOST_ENTRIES", 1.0)
+    problem = two_masses(1e2)
+    mode = ss.nonlinear_mode(*problem, 1, (0.3, 10.0), limit="sliding", accuracy=0.01)
+    assert mode.harmonics == 3
+    assert mode.converged
+    printed_sentence("\n".join(each for each in mode.warnings if "accuracy" in each))
+
+
 def test_harmonics_grow_until_the_accuracy_is_reached() -> None:
     """Rigid friction: beside a mode with many more harmonics, the error is below the accuracy at all points."""
     problem = two_masses(1e2)

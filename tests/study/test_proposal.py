@@ -12,6 +12,7 @@ from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.case.examples import EXAMPLES
 from stickslip.case.load import load_case
+from stickslip.case.sections import STRUCTURE_KINDS
 from stickslip.cli.main import app
 from stickslip.core.errors import StudyFileError
 from stickslip.study.check import check
@@ -72,7 +73,7 @@ def test_a_joint_of_ones_own_has_no_default_stiffness() -> None:
 
 @pytest.mark.parametrize("kind", ["mesh", "matrices"])
 def test_templates_name_no_other_kind_of_structure(kind: str) -> None:
-    text = Case.from_mapping(EXAMPLES[kind]).to_text().replace("two-blade, mesh, matrices or cyclic", "")
+    text = Case.from_mapping(EXAMPLES[kind]).to_text().replace(STRUCTURE_KINDS, "")
     lines = [line for line in text.splitlines() if any(word in line for word in OTHER_KINDS)]
     assert lines == [], lines
 

@@ -148,6 +148,21 @@ def test_a_band_resumes_and_more_samples_contain_those_of_fewer(
     printed_sentence(" ".join(more.remarks), "34 samples")
 
 
+def test_samples_have_checks_only_for_limits_of_slow_sweeps(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stability decides where a slow sweep jumps; no other measure requires it."""
+    checks = []
+
+    def seen(*arguments: object, **options: object) -> object:
+        checks.append(options["checks"])
+        return solve(*arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(work, "solve", seen)
+    plain = ss.band(study, SCATTER, samples=8, limits=[LIMIT], workers=1)
+    checked = ss.band(study, SCATTER, samples=8, limits=["upward_peak_amplitude < 1 mm"], workers=1)
+    assert checks == [False] * 8 + [True] * 8
+    assert plain.table.column("peak_amplitude_m") == checked.table.column("peak_amplitude_m")
+
+
 def test_any_executor_gives_the_same_band(study: Path, linear: tuple[Band, Path]) -> None:
     with ThreadPoolExecutor(1) as executor:
         other = ss.band(study, SCATTER, executor, samples=8)
@@ -157,11 +172,11 @@ def test_any_executor_gives_the_same_band(study: Path, linear: tuple[Band, Path]
 def test_failed_and_incomplete_samples_are_reported_and_not_dropped(
     study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def partly(case: Case, model: ReducedModel, progress: Progress, threads: int) -> ForcedResponse:
+    def partly(case: Case, model: ReducedModel, progress: Progress, threads: int, checks: bool) -> ForcedResponse:
         force = case.sections["forces"]["push"].amplitude
         if force > 2.7e-3:
             raise ConvergenceError("No first point at 19 Hz.")
-        return replace(solve(case, model, progress, threads), converged=force < 2.4e-3, message="It ended.")
+        return replace(solve(case, model, progress, threads, checks), converged=force < 2.4e-3, message="It ended.")
 
     monkeypatch.setattr(work, "solve", partly)
     band = ss.band(study, SCATTER, out=tmp_path, samples=8, limits=[LIMIT], workers=1)

@@ -68,7 +68,7 @@ class BladedDiskSection(StructureSection):
         **_MATRICES,
         **dict.fromkeys(
             ("length_unit", "unit_system", "includes_outside", "fixed", "element", "left", "right", "axis",
-             "axis_point"),
+             "axis_point", "temperature"),
             "belongs to a sector from a mesh file. Give structure.file, or remove the key.",
         ),
     }  # fmt: skip

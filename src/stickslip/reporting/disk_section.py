@@ -41,7 +41,7 @@ def _families(disk: Disk) -> Iterator[dict[str, Any]]:
             yield trace | {"marker": {"size": 6, "color": colour}}
 
 
-def _line(disk: Disk, speed_hz: float, top: float) -> dict[str, Any]:
+def _line(disk: Disk, speed_hz: float, top: float) -> Any:
     """The frequencies that all engine orders have at one speed (Hz), at the nodal diameters that they excite."""
     orders = np.arange(int(top / speed_hz) + 2)
     # The corners are at multiples of N / 2, which an odd N does not have as a nodal diameter.

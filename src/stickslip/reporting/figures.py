@@ -19,6 +19,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, blank_figure, one_panel, plain_axes
 from stickslip.core.validation import finite_array
+from stickslip.reporting.disk_figures import disk_figures
 from stickslip.reporting.look import mark_size
 from stickslip.reporting.style import LINE_COLOURS, MICRO, STATES
 from stickslip.reporting.view import View
@@ -225,6 +226,7 @@ def save_all(
         "hysteresis_loop": hysteresis_loop(response, study),
         "energy_curve": energy_curve(response, study),
     }
+    drawn |= disk_figures(response, study)
     if View.of(response, study).rest_varies:
         drawn["rest_pressure"] = rest_pressure(response, study)
     if any(reference_deviation(row) is not None for row in study.mode_table):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -118,10 +118,11 @@ def _figures(ridge_of: RidgeOf, prefix: str) -> Callable[[View], dict[str, Figur
         assert ridge is not None  # else the page has no such section
         words, here = _axis_words(ridge), _here(view, ridge)
         across = {"type": "log", "dtick": 1, "exponentformat": "power"}
-        up = {"type": "log", "dtick": "D2", "tickformat": ".3~g"}
+        amplitudes = _panel(ridge, here, of_amplitude=True)
+        up = {"type": "log", "dtick": "D2", "tickformat": ".3~g", "range": _range_of_peaks(amplitudes)}
         return {
             f"{prefix}-amplitude": figure_of(
-                _panel(ridge, here, of_amplitude=True), 380, hovermode="closest",
+                amplitudes, 380, hovermode="closest",
                 xaxis=axis_look(words, **across), yaxis=axis_look("Peak amplitude, 0-to-peak, µm", **up),
             ),
             f"{prefix}-frequency": figure_of(
@@ -131,6 +132,16 @@ def _figures(ridge_of: RidgeOf, prefix: str) -> Callable[[View], dict[str, Figur
         }  # fmt: skip
 
     return figures
+
+
+def _range_of_peaks(traces: Sequence[Mapping[str, Any]]) -> list[float]:
+    """Ends of a logarithmic axis: from below all peaks to above all peaks and limits. A linear limit may be very small
+    where its peak is almost zero at the response; this would hide the peaks."""
+    heights = {limit: [0.0] for limit in (False, True)}
+    for trace in traces:
+        heights[trace["name"].startswith("linear")] += [value for value in trace["y"] if value]
+    peaks = [value for value in heights[False] if value > 0.0]
+    return [float(np.log10(0.6 * min(peaks))), float(np.log10(1.5 * max(peaks + heights[True])))]
 
 
 def _performance_words(view: View) -> Iterator[str]:

@@ -197,7 +197,7 @@ class _Row:
 
 def _page_of_case(row: SweepRow, folder: Path | None) -> str:
     """The page of a case relative to the folder of the sweep; "" if there is none."""
-    if folder is None or not row.file:
+    if folder is None or not row.file.startswith("cases/"):
         return ""
     page = PurePosixPath(row.file).with_name(REPORT_FILE)
     return str(page) if (folder / page).exists() else ""

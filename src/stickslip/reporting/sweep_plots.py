@@ -68,6 +68,7 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
     return figure_of(
         data,
         400 + height,
+        meta={"legend": height},
         xaxis=axis_look(FREQUENCY),
         yaxis=axis_look("Amplitude, 0-to-peak, µm", rangemode="tozero"),
         hovermode="closest",
@@ -166,6 +167,7 @@ def against_key(view: SweepView, place: int) -> Figure:
     return figure_of(
         data,
         380 + height,
+        meta={"legend": height},
         xaxis=axis_look(axis_title(key), anchor="y2", **kind),
         yaxis=axis_look("Highest peak, µm", domain=[0.54, 1], rangemode="tozero"),
         yaxis2=axis_look("Peak frequency, Hz", domain=[0, 0.46]),

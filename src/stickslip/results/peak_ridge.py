@@ -321,7 +321,7 @@ class PeakRidge(Labelled):
             top.parameter, top.amplitude, top.frequency_hz, self.parameter, self.amplitude, self.frequency_hz,
             self.ridge, self.stuck_parameter, self.stuck_amplitude, self.stuck_frequency_hz, self.free_parameter,
             self.free_amplitude, self.free_frequency_hz, best.parameter, best.amplitude, best.frequency_hz,
-            self.parameter_name, self.parameter_unit, self.output_name,
+            best.is_inside, self.parameter_name, self.parameter_unit, self.output_name,
         )  # fmt: skip
 
     def save(self, path: str | PathLike[str]) -> None:

@@ -40,6 +40,7 @@ class RidgePicture:
     best_parameter: float
     best_amplitude: float
     best_hz: float
+    best_is_inside: bool
     parameter_name: str
     parameter_unit: str
     output_name: str
@@ -70,9 +71,8 @@ def ridge_figure(picture: RidgePicture) -> Figure:
             axes.plot(picture.parameter[here], scale * points[here], ".-", color=GREY, linewidth=0.8, markersize=4)
         axes.plot(picture.highest_parameter, scale * highest, color=INK, linewidth=2.0, label="highest peak")
         axes.set_xscale("log")
-    label = (
-        f"optimum: {_MICRO * picture.best_amplitude:.4g} µm at {picture.best_parameter:.4g} {picture.parameter_unit}"
-    )
+    mark = "optimum" if picture.best_is_inside else "lowest followed"
+    label = f"{mark}: {_MICRO * picture.best_amplitude:.4g} µm at {picture.best_parameter:.4g} {picture.parameter_unit}"
     above.plot(picture.best_parameter, _MICRO * picture.best_amplitude, "D", color=VERMILLION, label=label.rstrip())
     below.plot(picture.best_parameter, picture.best_hz, "D", color=VERMILLION)
     above.set_yscale("log")

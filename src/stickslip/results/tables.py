@@ -25,6 +25,7 @@ def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, .
         _jumps(response, study),
         _rows("bifurcations", "changes of stability along the curve", _BIFURCATION, response.bifurcations),
         _natural_frequencies(response),
+        _nodal_diameters(study),
         _modes(study),
         *_side_curves(response, study),
         *(table for name, part in response.parts.items() for table in part.tables(name)),
@@ -142,6 +143,18 @@ def _natural_frequencies(response: ForcedResponse) -> Table:
     )
     words = "natural frequencies without damping, pairs closed at rest stuck, and without contact"
     return Table("natural_frequencies", words, columns)
+
+
+def _nodal_diameters(study: StudyRecord) -> Table | None:
+    """None for a structure that is no disk."""
+    if study.disk is None:
+        return None
+    stuck, free = (
+        [column_of(f"{words} {number}", "Hz", row) for number, row in enumerate(table.T, start=1)]
+        for words, table in (("stuck", study.disk.stuck_hz), ("free", study.disk.free_hz))
+    )
+    words = "lowest natural frequencies of each nodal diameter, pairs closed at rest stuck, and without contact"
+    return Table("nodal_diameters", words, (column_of("nodal diameter", "", study.disk.diameters), *stuck, *free))
 
 
 def _modes(study: StudyRecord) -> Table:

@@ -118,6 +118,14 @@ def accuracy_warnings(change: HarmonicsChange | str, accuracy: float, harmonics:
     )
 
 
+def work_warning(count: int) -> str:
+    """A warning on a mode that ended with fewer harmonics than its accuracy requires."""
+    return (
+        f"A mode with {count} harmonics would be more work than is allowed for an accuracy. Give a smaller largest "
+        f"amplitude, a coarser accuracy, or fixed harmonics = {count} instead of the accuracy."
+    )
+
+
 def _changed(change: HarmonicsChange, finer: int, harmonics: int) -> str:
     return (
         f"{finer} instead of {harmonics} change the frequency by {100 * change.frequency:.2g} % and the "

@@ -43,6 +43,7 @@ from stickslip.solve.mode_checks import (
     harmonics_warnings,
     largest_change,
     sample_warnings,
+    work_warning,
 )
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -56,6 +57,11 @@ from stickslip.structure.superelement import Superelement
 STEPS = ContinuationSettings(largest_step=0.04, max_points=400)
 # chosen: the start moves towards the linear limit by at most so many decades of the amplitude.
 DECADES_TO_LIMIT = 12
+# chosen: work of all branches with an accuracy, in entries of the Newton matrix (unknowns squared) over all points. The
+# two blades, all 110 pairs in gross slip, have 4e8 of them for each 10 to 20 s of processor time with 5 harmonics.
+MOST_ENTRIES = 4e9
+# chosen: if the accuracy is missed by more than the factor FAR, numbers of harmonics closer than the ratio are omitted.
+FAR, LEAST_GROWTH = 4.0, 1.5
 OTHER: dict[Limit, Limit] = {"stuck": "sliding", "sliding": "stuck"}
 
 
@@ -206,7 +212,7 @@ def _by_accuracy(
     followed: Callable[[int], _Followed], balances: Balances, accuracy: float, least: int, newton: NewtonSettings,
     report: StageReport,
 ) -> tuple[_Followed, tuple[str, ...]]:  # fmt: skip
-    """The branch with the fewest harmonics that reach an accuracy, or with the most that have a branch, with a warning.
+    """The branch with harmonics that reach an accuracy, or with a warning with the most that the work allows.
 
     Twice the harmonics are the reference: two more can change little where the harmonics decay slowly. Raises
     ConvergenceError if no number of harmonics has a first point.
@@ -214,12 +220,20 @@ def _by_accuracy(
     reached: tuple[_Followed, tuple[str, ...]] | None = None
     failed: ConvergenceError | None = None
     ladder = [least, *(each for each in LADDER if least < each <= balances.samples // SAMPLES_PER_HARMONIC)]
+    entries, points, next_count = 0.0, 0, least
     for count in ladder:
+        if count < next_count and count != ladder[-1]:
+            continue
+        expected = (3.0 * balances.pairs.n_pairs * (2 * count + 1)) ** 2
+        if reached is not None and entries + points * expected > MOST_ENTRIES:
+            return reached[0], (*reached[1], work_warning(count))
         try:
             mode_branch = followed(count)
         except ConvergenceError as error:
             failed = error
             continue
+        points = len(mode_branch.points)
+        entries += points * expected
         report.stage(f"check of {count} harmonics")
         try:
             change: HarmonicsChange | str = largest_change(
@@ -235,6 +249,8 @@ def _by_accuracy(
         reached = mode_branch, accuracy_warnings(change, accuracy, count)
         if not reached[1]:
             break
+        is_far = not isinstance(change, str) and change.over(accuracy) > FAR
+        next_count = math.ceil(LEAST_GROWTH * count) if is_far else count
     if reached is None:
         assert failed is not None  # the ladder has at least one number
         raise failed

@@ -358,11 +358,11 @@ class RidgeMap:
         return replace(ridge, converged=converged, message=message, settings=work)
 
     def _see_free(self) -> None:
-        """The peak without contacts, which no contact changes, if no whole curve gave it."""
-        if not self._free:
-            stage = self._stage_at(self.ridges[0].points[0].parameter)
-            free = stage.free_peak()
-            self._free |= dict.fromkeys(self._bounds, free) if free.bracketed else {}
+        """The peaks without contacts at both ends of the followed range, if no whole curve gave them."""
+        values = [each.parameter for ridge in self.ridges for each in ridge.points]
+        for value in {min(values), max(values)} - set(self._free):
+            if (free := self._stage_at(value).free_peak()).bracketed:
+                self._free[value] = free
 
     def _coverage(self, ridge: PeakRidge) -> tuple[bool, str]:
         """Whether the highest peak is known over the whole range, and words on it."""

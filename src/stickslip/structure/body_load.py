@@ -14,30 +14,37 @@ from stickslip.structure.shapes import consistent_mass
 _CELLS_AT_ONCE = 2000  # chosen to bound the memory
 
 
-def centrifugal_load(mesh: Mesh, materials: Sequence[Material], axis: FloatArray, point: FloatArray) -> FloatArray:
+def centrifugal_load(
+    mesh: Mesh,
+    materials: Sequence[Material],
+    axis: FloatArray,
+    point: FloatArray,
+    masses: FloatArray | None = None,
+) -> FloatArray:
     """(3 * n_nodes,) N of every node at a rotation of 1 rad/s: ``integral of density N^T r dV``.
 
     r is the vector from the axis through ``point`` (3,) m along the unit vector ``axis`` (3,), interpolated by the
     shape functions, so that ``f = M r`` with the consistent mass of all nodes, including constrained ones. Multiply by
-    the square of the speed. ``materials`` are one for each body, in their order.
+    the square of the speed. ``materials`` are one for each body, in their order; ``masses`` (n_nodes,) kg are mass
+    points.
     """
     arm = mesh.points - point
-    return _inertia(mesh, materials, arm - np.outer(arm @ axis, axis)).ravel()
+    return _inertia(mesh, materials, arm - np.outer(arm @ axis, axis), masses).ravel()
 
 
-def translation_inertia(mesh: Mesh, materials: Sequence[Material]) -> FloatArray:
+def translation_inertia(mesh: Mesh, materials: Sequence[Material], masses: FloatArray | None = None) -> FloatArray:
     """(3 * n_nodes, 3) kg: ``M r`` for translations r of all nodes, including constrained ones, by 1 along x, y, z.
 
-    ``M`` is the consistent mass. Times an acceleration of the support it is the force that the support exerts through
-    the inertia of the structure.
+    ``M`` is the consistent mass with the mass points ``masses`` (n_nodes,) kg. Times an acceleration of the support it
+    is the force that the support exerts through the inertia of the structure.
     """
-    carried = _inertia(mesh, materials, np.ones((mesh.n_nodes, 1)))
+    carried = _inertia(mesh, materials, np.ones((mesh.n_nodes, 1)), masses)
     return np.asarray(np.kron(carried, np.eye(3)))
 
 
-def _inertia(mesh: Mesh, materials: Sequence[Material], field: FloatArray) -> FloatArray:
-    """``M field`` of a field (n_nodes, k) with the consistent mass of all nodes."""
-    load = np.zeros_like(field)
+def _inertia(mesh: Mesh, materials: Sequence[Material], field: FloatArray, masses: FloatArray | None) -> FloatArray:
+    """``M field`` of a field (n_nodes, k) with the consistent mass of all nodes and their mass points."""
+    load = np.zeros_like(field) if masses is None else masses[:, None] * field
     for cells, mass in cell_masses(mesh, materials):
         np.add.at(load, cells, np.einsum("mij,mjx->mix", mass, field[cells]))
     return load

@@ -133,7 +133,7 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
 
 
 def negative_pivots(matrix: Any) -> int:
-    """Number of negative eigenvalues of a sparse real symmetric matrix: the negative pivots of its factor (Sylvester).
+    """Number of negative eigenvalues of a sparse Hermitian matrix: the negative pivots of its factor (Sylvester).
 
     Raises RuntimeError for a matrix that is singular to working accuracy.
     """
@@ -142,11 +142,11 @@ def negative_pivots(matrix: Any) -> int:
     factor = scipy.sparse.linalg.splu(
         scipy.sparse.csc_matrix(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options
     )
-    return int((factor.U.diagonal() < 0.0).sum())
+    return int((factor.U.diagonal().real < 0.0).sum())
 
 
 def is_positive_definite(matrix: Any) -> bool:
-    """Whether a sparse real symmetric matrix has only positive eigenvalues."""
+    """Whether a sparse Hermitian matrix has only positive eigenvalues."""
     try:
         return negative_pivots(matrix) == 0
     except RuntimeError:

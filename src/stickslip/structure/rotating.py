@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from stickslip.core.errors import InputError, SingularMatrixError
 from stickslip.core.validation import FloatArray, argument_error, finite_array
 from stickslip.structure.body_load import centrifugal_load
+from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factorize, is_positive_definite
 from stickslip.structure.gyroscopic import gyroscopic_modes
@@ -21,12 +22,14 @@ from stickslip.structure.rotation_matrices import (
     softening_matrix,
     stress_stiffness_matrix,
 )
+from stickslip.structure.sector_reduction import constant_motion, lagged_model
 
 # chosen: modes without Coriolis forces in which those with them are computed: this multiple of the number, and more.
 BASIS_FACTOR, BASIS_MORE = 2, 12
 # chosen: static displacement over the diagonal of the bounding box. Without the change of geometry, frequencies of a
 # beam that is bent by 2 % of its length differ by up to 0.1 % from those of CalculiX, and by 6 % if it is 20 %.
 LARGEST_MOTION = 0.05
+SAME_AXIS = 1e-6  # chosen: angle in rad between two directions of one axis
 COLLAPSE_ACCURACY = 1e-4  # chosen: of the speed in the message about the collapse of the stiffness
 
 
@@ -49,6 +52,8 @@ class RotatingStructure:
     displacement:
         (3 * n_nodes,) m, the static displacements under this load by the stiffness at rest, on which the stress of
         ``stress_stiffness`` depends.
+    symmetry:
+        of a sector; None for a complete structure.
     """
 
     structure: Structure
@@ -59,6 +64,7 @@ class RotatingStructure:
     coriolis: Any
     load: FloatArray
     displacement: FloatArray
+    symmetry: CyclicSymmetry | None = None
 
     def __repr__(self) -> str:
         axis = ", ".join(f"{each:.4g}" for each in self.axis)
@@ -77,7 +83,7 @@ class RotatingStructure:
         """
         speed = checked_speed(speed_rpm, np.inf, argument)
         stiffness = self._stiffness(speed)
-        if not is_positive_definite(stiffness):
+        if not self._is_stable(stiffness):
             checked_speed(speed, self._collapse_below(speed), argument)
         self._require_small_motion(speed, argument)
         return replace(self.structure, stiffness=stiffness)
@@ -99,12 +105,31 @@ class RotatingStructure:
     def _stiffness(self, speed_rpm: float) -> Any:
         return (self.structure.stiffness + (RPM * speed_rpm) ** 2 * self.speed_stiffness).tocsr()
 
+    def _is_stable(self, stiffness: Any) -> bool:
+        """Whether a stiffness has only positive eigenvalues, that of a sector in all nodal diameters."""
+        if is_positive_definite(stiffness):
+            return True
+        if self.symmetry is None:
+            return False
+        sectors = self.symmetry.sectors
+        lagged = lagged_model(replace(self.structure, stiffness=stiffness), self.symmetry).stiffness
+        return all(is_positive_definite(lagged.at(diameter, sectors)) for diameter in range(sectors // 2 + 1))
+
+    def require_complete(self, instead: str) -> None:
+        """Raise InputError for a sector, which is used ``instead`` in another function."""
+        if self.symmetry is not None:
+            raise InputError(
+                f"the rotating structure is a sector of a disk; give at(speed_rpm) to {instead}, without Coriolis "
+                "forces, or the full ring here.",
+                arguments=["rotor"],
+            )
+
     def _collapse_below(self, speed_rpm: float) -> float:
         """rpm where the stiffness collapses, by bisection: its lowest eigenvalue is a concave function of W^2."""
         stable, collapsed = 0.0, speed_rpm
         while collapsed - stable > COLLAPSE_ACCURACY * collapsed:
             middle = 0.5 * (stable + collapsed)
-            if is_positive_definite(self._stiffness(middle)):
+            if self._is_stable(self._stiffness(middle)):
                 stable = middle
             else:
                 collapsed = middle
@@ -120,6 +145,7 @@ class RotatingStructure:
         With ``coriolis`` they are computed in the ``2 count + 12`` lowest modes without Coriolis forces. Raises
         InputError, see :meth:`at` and :func:`stickslip.structure.elasticity.natural_frequencies`.
         """
+        self.require_complete("sector_frequencies")
         structure = self.at(speed_rpm)
         size = structure.stiffness.shape[0]
         more = min(BASIS_FACTOR * count + BASIS_MORE, size - 1) if coriolis else count
@@ -131,7 +157,12 @@ class RotatingStructure:
 
 
 def rotating(
-    structure: Structure, axis: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), *, backend: Backend = "superlu"
+    structure: Structure,
+    axis: ArrayLike,
+    point: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    symmetry: CyclicSymmetry | None = None,
+    backend: Backend = "superlu",
 ) -> RotatingStructure:
     """A structure in a frame that rotates at a constant speed: linear prestress theory.
 
@@ -147,11 +178,15 @@ def rotating(
         (3,) direction of the axis, of any length; the rotation is right-handed about it.
     point:
         (3,) m of a point on the axis.
+    symmetry:
+        for one sector of a disk: its static state is that of the whole disk. ``at(speed_rpm)`` is then a structure for
+        :func:`sector_frequencies` and :func:`cyclic_sector`, without Coriolis forces.
 
     Raises
     ------
     InputError
-        for an axis of length zero, a structure without materials, and one with a body that moves freely.
+        for an axis of length zero or another one than that of the symmetry, a structure without materials, and one
+        with a body that moves freely.
 
     Sources: G. Genta, Dynamics of Rotating Systems (2005); M. Geradin, D. Rixen, Mechanical Vibrations, 3rd ed. (2015).
     """
@@ -166,15 +201,21 @@ def rotating(
             arguments=["structure"],
         )
     load = centrifugal_load(structure.mesh, structure.materials, direction, origin)
+    if symmetry is not None:
+        _require_axis_of(symmetry, direction, origin)
+    free = structure.gather(load)
     try:
-        factor = factorize(structure.stiffness, backend)
+        if symmetry is None:
+            motion = factorize(structure.stiffness, backend).solve(free)
+        else:
+            motion = constant_motion(structure, symmetry, free, backend)
     except SingularMatrixError as error:
         raise InputError(
             "the structure has a body that moves freely, so its centrifugal load has no static state. Constrain it, or "
             f"tie it to a body that is constrained. ({error})",
             arguments=["structure"],
         ) from error
-    displacement = structure.expand(factor.solve(structure.gather(load)))
+    displacement = structure.expand(motion)
     mass = nodal_mass(structure.mesh, structure.materials)
     stress, softening, coriolis = (
         _of_unknowns(structure, matrix)
@@ -184,7 +225,25 @@ def rotating(
             coriolis_matrix(mass, direction),
         )
     )
-    return RotatingStructure(structure, direction, origin, stress, softening, coriolis, load, displacement)
+    return RotatingStructure(structure, direction, origin, stress, softening, coriolis, load, displacement, symmetry)
+
+
+def _require_axis_of(symmetry: CyclicSymmetry, direction: FloatArray, point: FloatArray) -> None:
+    """Raise InputError for an axis of rotation that is not that of a symmetry."""
+    beside = np.cross(symmetry.direction, point - symmetry.point)
+    size = float(np.abs(point - symmetry.point).max())
+    wrong = [
+        name
+        for name, error, scale in (("axis", np.cross(symmetry.direction, direction), 1.0), ("point", beside, size))
+        if float(np.linalg.norm(error)) > SAME_AXIS * scale
+    ]
+    if wrong:
+        axis, place = (", ".join(f"{each:.4g}" for each in row) for row in (symmetry.direction, symmetry.point))
+        raise InputError(
+            f"the axis of rotation is not that of the cyclic symmetry, which is along ({axis}) through ({place}) m. "
+            "Give axis=symmetry.direction and point=symmetry.point.",
+            arguments=wrong,
+        )
 
 
 def _vector(name: str, value: ArrayLike) -> FloatArray:

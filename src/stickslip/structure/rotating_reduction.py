@@ -62,6 +62,7 @@ def rotating_superelement(
         for a speed above the collapse of the stiffness, boundary nodes that do not exist, come twice or are fixed, and
         a mode count out of range.
     """
+    rotor.require_complete("cyclic_sector")
     nodes = checked_boundary(boundary_nodes)
     structure = rotor.structure
     top = rotor.at(positive_number("top_speed_rpm", top_speed_rpm), "top_speed_rpm")

@@ -17,7 +17,7 @@ from stickslip.structure.craig_bampton import ReducedMatrices, checked_boundary,
 from stickslip.structure.cyclic_sector import CyclicSector, LaggedMatrices, Matrix, require_diameter
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
-from stickslip.structure.factor import Backend
+from stickslip.structure.factor import Backend, factorize
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.phase_lag import LaggedModel
 from stickslip.structure.recovery import FullModel
@@ -120,6 +120,25 @@ def _hermitian(part: ReducedMatrices) -> LaggedMatrices:
 def _share(report: ProgressCallback, place: int, count: int, diameter: int) -> Callable[[float, str], None]:
     """Progress of one of ``count`` diameters."""
     return lambda fraction, words: report((place + fraction) / count, f"nodal diameter {diameter}: {words}")
+
+
+def constant_motion(
+    structure: Structure, symmetry: CyclicSymmetry, load: FloatArray, backend: Backend = "superlu"
+) -> FloatArray:
+    """(n_free,) m static displacements under a load (n_free,) N that is the same in each sector: nodal diameter 0.
+
+    ``load`` is that of the cells of this sector. Raises InputError, see :func:`lagged_model`, and SingularMatrixError.
+    """
+    require_mesh_of(structure.mesh, symmetry)
+    model = lagged_model(structure, symmetry)
+    left, right, rotation = _boundary_unknowns(structure, symmetry)
+    folded = load.copy()
+    folded[left] += rotation.T @ load[right]
+    motion = np.zeros(load.shape)
+    stiffness = model.stiffness.at(0, symmetry.sectors)
+    motion[model.remaining] = factorize(stiffness, backend).solve(folded[model.remaining])
+    motion[right] = rotation @ motion[left]
+    return motion
 
 
 def lagged_model(structure: FullModel, symmetry: CyclicSymmetry) -> LaggedModel:

@@ -69,9 +69,13 @@ class DiskOfStudy:
         ring, sectors, pairs = self.ring, range(self.sector.sectors), layout.face_pairs
         copied = {
             name: np.concatenate([getattr(pairs, name)] * len(sectors))
-            for name in ("first_weights", "second_weights", "gap", "points", "area", "normal", "tangent1", "tangent2",
-                         "face", "face_position")
-        }  # fmt: skip
+            for name in ("first_weights", "second_weights", "gap", "area", "face", "face_position")
+        }
+        symmetry = self.structure.symmetry
+        copied["points"] = np.concatenate([symmetry.rotated(pairs.points, sector) for sector in sectors])
+        for name in ("normal", "tangent1", "tangent2"):
+            turned = [getattr(pairs, name) @ symmetry.rotation(sector).T for sector in sectors]
+            copied[name] = np.concatenate(turned)
         for name in ("first_nodes", "second_nodes"):
             copied[name] = np.concatenate([ring.of_two(getattr(pairs, name), sector) for sector in sectors])
         return replace(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from stickslip.case.case import Case, parts_of_key
+from stickslip.case.case import Case, CyclicCase, parts_of_key
 from stickslip.case.key_kinds import kind_of_key
 from stickslip.core.completeness import reported
 from stickslip.core.errors import InputError, concerning
@@ -128,6 +128,12 @@ def checked_range(
 
     Raises InputError, StudyFileError, and RoughnessError where the roughness gives no usable contact.
     """
+    if isinstance(case, CyclicCase):
+        raise InputError(
+            'a ridge of peaks is not computed for a sector of a disk (structure.kind = "cyclic"). Use a sweep, or a '
+            "mesh of the full ring.",
+            ("structure.kind",),
+        )
     family = CaseFamily.of(case, key)
     bounds = family.bounds(limits)
     for value in bounds:

@@ -25,11 +25,12 @@ from stickslip.results.record import run_provenance
 from stickslip.results.storage import load_results
 from stickslip.results.sweep_table import SweepTable
 from stickslip.sweeps.distributions import Distribution, described, distributions
-from stickslip.sweeps.plan import LARGEST_SWEEP, PlannedCase, plan_rows
+from stickslip.sweeps.plan import LARGEST_SWEEP, PlannedCase, hash_of, plan_rows
 from stickslip.sweeps.run import SolvedCases, solve_planned
 
 TABLE_FILE, DATASET_FILE, PAGE_FILE = "band.csv", "band.nc", "band.html"
 DEFAULT_SAMPLES = 64
+SLOW_SWEEPS = ("upward_", "downward_")  # measures for which the stability of the points decides
 LEAST_SAMPLES = 8  # chosen: fewer have no percentiles
 _SEED = 20_251_001  # of the scrambling: a band with more samples contains those of one with fewer
 
@@ -106,6 +107,8 @@ def band(
     keys = tuple(each.key(points[:, place]) for place, each in enumerate(chosen))
     samples_case = case.replace({"analysis.traction_band": False})
     planned = plan_rows(samples_case, keys, ((row,) * len(keys) for row in range(samples)), of="band")
+    if not any(limit.measure.name.startswith(SLOW_SWEEPS) for limit in required):
+        planned = tuple(map(_without_checks, planned))
     central = _central(case, chosen) if case.analysis.traction_band else None
     # listed values can give one case several times
     different = tuple({each.key: each for each in (*planned, *([central] if central else []))}.values())
@@ -122,6 +125,11 @@ def band(
     case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
     content = {field.name: getattr(statistics, field.name) for field in fields(statistics)}
     return Band(**content, case_files=case_files, files=files, found=run.found, notices=tuple(run.notices))
+
+
+def _without_checks(planned: PlannedCase) -> PlannedCase:
+    """A sample without multipliers and search for missed peaks, which take most of its time."""
+    return replace(planned, key=hash_of({"case": planned.key, "checks": False}), checks=False)
 
 
 def _central(case: Case, chosen: Sequence[Distribution]) -> PlannedCase:

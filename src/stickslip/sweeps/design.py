@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
 
-from stickslip.case.case import Case, MatrixCase
+from stickslip.case.case import Case, CyclicCase, MatrixCase
 from stickslip.core.errors import ConvergenceError, InputError, ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.core.progress import Progress, SilentProgress
@@ -166,6 +166,12 @@ def checked_design(
         raise InputError(
             f"a design with {' or '.join(STRESSES)} requires a mesh, but structure.kind is "
             '"matrices", so no stress is computed. Limit the peak instead.',
+            ("structure.kind",),
+        )
+    if isinstance(case, CyclicCase):
+        raise InputError(
+            'a design follows gradients, which are not computed for a sector of a disk (structure.kind = "cyclic"). '
+            "Use a sweep, or a mesh of the full ring.",
             ("structure.kind",),
         )
     return DesignSpace.of(case, over, worst_of), requirements

@@ -50,6 +50,8 @@ class PlannedCase:
         hash of all inputs of the reduced structure: geometry, mesh, material, reduction; files, pairs and places.
     values:
         its value of each swept key.
+    checks:
+        whether multipliers and a search for missed peaks belong to its results.
     """
 
     name: str
@@ -57,6 +59,7 @@ class PlannedCase:
     structure: str
     values: tuple[Value, ...]
     case: Case
+    checks: bool = True
 
 
 def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...]:

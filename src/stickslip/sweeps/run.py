@@ -227,7 +227,9 @@ class SolvedCases:
                 self.outcomes[planned.key] = CaseOutcome(converged=False, message=str(error), measures={})
                 continue
             wants_file = self.folder is not None
-            task = CaseTask(planned.case, planned.key, joint, threads, wants_file, name=planned.name)
+            task = CaseTask(
+                planned.case, planned.key, joint, threads, wants_file, checks=planned.checks, name=planned.name
+            )
             group.cases.append((planned, task))
         if first_error is not None and len(self.planned) == len(self.outcomes) and not self.found:
             raise _none_solvable(first_error, len(left))

@@ -38,6 +38,8 @@ CASE_KEY = "sweep_case"
 class CaseTask:
     """One case to solve: ``key`` is stored with its results; ``wants_file`` requests the bytes of a results file.
 
+    ``checks`` as :func:`stickslip.study.analyses.solve` has them.
+
     ``name`` is that of the case in reports on the running task.
     """
 
@@ -46,6 +48,7 @@ class CaseTask:
     joint: Joint
     threads: int
     wants_file: bool
+    checks: bool = field(default=True, kw_only=True)
     name: str = field(default="case", kw_only=True)
 
 
@@ -129,7 +132,7 @@ def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
 
 def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     model = connect(task.case, reduced, task.joint)
-    response = solve(task.case, model, TaskProgress(task.name), threads=task.threads)
+    response = solve(task.case, model, TaskProgress(task.name), threads=task.threads, checks=task.checks)
     response = replace(response, provenance={**response.provenance, CASE_KEY: task.key})
     # The common table of the cases of a structure has every pair closed.
     table = reduced.mode_table if model.pairs.resting_stiffness().all() else ()

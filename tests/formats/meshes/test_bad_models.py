@@ -111,8 +111,8 @@ def test_a_pressed_side_is_a_face_set(tmp_path):
 
 
 def test_other_cards_are_reported(tmp_path):
-    model = read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "CONM2,50,1,,1.\nPSOLID,1,7"), "mm")
-    printed_sentence("\n".join(model.messages), "CONM2")
+    model = read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "CMASS2,50,1.,1,1\nPSOLID,1,7"), "mm")
+    printed_sentence("\n".join(model.messages), "CMASS2")
     model = read_model(changed(tmp_path, "cubes.inp", "*BOUNDARY", "*CONTACT PAIR\nopposite, contact\n*BOUNDARY"), "mm")
     printed_sentence("\n".join(model.messages), "contact pair")
 

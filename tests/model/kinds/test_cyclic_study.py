@@ -11,21 +11,28 @@ import pytest
 import scipy.linalg
 
 from model_writers import write_inp
+from sectors import annulus
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.case.examples import EXAMPLES
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.model.kinds.cyclic import CyclicSetup
 from stickslip.model.model import build_model, load_joint, set_up
+from stickslip.reporting.disk_figures import disk_figures
 from stickslip.reporting.page import page
 from stickslip.results.measures import summary
 from stickslip.results.storage import load_results, save_results
+from stickslip.results.tables import study_tables
 from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.structure.elasticity import Material, assemble
+from stickslip.structure.joined import joined_modes
 from stickslip.structure.mesh import Mesh
 from stickslip.study.check import check
 from stickslip.study.disk import DiskOfStudy
 from stickslip.study.proposal import propose
+from stickslip.study.ridge import checked_range
 from stickslip.study.solution import solve_case
+from stickslip.sweeps.design import design
 
 # A small disk that solves in seconds.
 COARSE = {"contact_columns": 2, "contact_rows": 1, "sectors": 20}
@@ -129,6 +136,10 @@ def test_the_page_of_a_disk(tmp_path: Path) -> None:
     assert saved.study is not None
     assert saved.study.disk is not None
     np.testing.assert_array_equal(saved.study.disk.free_hz, record.disk.free_hz)
+    tables = {table.name: table for table in study_tables(solution.response, record)}
+    assert len(tables["nodal_diameters"].columns[0].values) == 11
+    drawn = disk_figures(solution.response, record)
+    assert set(drawn) == {"nodal_diameters", "disk"}
     text = str(page(solution.response, record))
     assert "Every sector has the same amplitude" in text
     assert "Nodal diameter of 20 sectors" in text
@@ -232,4 +243,55 @@ def test_a_force_on_a_constrained_node() -> None:
     content = data()
     content["forces"]["gas"]["set"] = "bore"
     with rejects(InputError, "forces.gas"):
+        set_up(Case.from_mapping(content))
+
+
+@pytest.mark.slow
+def test_all_nodal_diameters_against_the_full_ring() -> None:
+    """The ring of all sectors with all its stuck pairs, by the ordinary path: the same frequencies, in pairs."""
+    content = data(sectors=6)
+    content["reduction"] = {"modes": 20}
+    case = Case.from_mapping(content)
+    model = build_model(case)
+    disk = DiskOfStudy.of(case, model)
+    assert disk is not None
+    ring, layout = disk.ring, disk.ring_layout(model.joint.layout)
+    full = assemble(ring.mesh, Material(), fixed_nodes=ring.mesh.node_set("bore"))
+    springs = np.tile(model.pairs.resting_stiffness(), 6)
+    whole, _ = joined_modes(full, layout.face_pairs, 12, springs)
+    found = disk.frequencies()
+    every = np.concatenate([np.repeat(row, 1 if each in (0, 3) else 2) for each, row in enumerate(found.stuck_hz)])
+    np.testing.assert_allclose(np.sort(every)[:12], whole, rtol=2e-4)  # by the reduction
+    unreduced = [
+        disk.structure.stuck_frequencies(model.joint.face_pairs, model.pairs.resting_stiffness(), each, 4)
+        for each in range(4)
+    ]
+    every = np.concatenate([np.repeat(row, 1 if each in (0, 3) else 2) for each, row in enumerate(unreduced)])
+    np.testing.assert_allclose(np.sort(every)[:12], whole, rtol=1e-7)
+
+
+def test_designs_and_ridges_of_a_disk() -> None:
+    with rejects(InputError, "structure.kind"):
+        design(changed(), {"friction.coefficient": (0.2, 0.6)})
+    layout = set_up(changed()).layout
+    with rejects(InputError, "structure.kind"):
+        checked_range(changed(), "friction.coefficient", (0.2, 0.6), layout)
+
+
+def test_a_body_over_three_sectors(tmp_path: Path) -> None:
+    own = annulus(6, (0.05, 0.1), 0.01, (2, 2, 1))
+    long = annulus(6, (0.11, 0.13), 0.01, (1, 2, 1), of=3)
+    mesh = Mesh(
+        np.vstack([own.points, long.points]),
+        np.vstack([own.cells, np.asarray(long.cells) + own.n_nodes]),
+        np.repeat([0, 1], [own.n_cells, long.n_cells]),
+        {**own.node_sets, "tip": np.array([own.n_nodes - 1])},
+        ("plate", "band"),
+    )
+    write_inp(tmp_path / "sector.inp", mesh, ["plate", "band"], [], "inner")
+    content = data()
+    content["structure"] = {
+        "kind": "cyclic", "file": str(tmp_path / "sector.inp"), "length_unit": "mm", "left": "left", "right": "right",
+    }  # fmt: skip
+    with rejects(InputError, "structure.file"):
         set_up(Case.from_mapping(content))

@@ -100,6 +100,8 @@ def test_forces_loads_and_outputs_of_sets() -> None:
         del interface["normal_load"]
     case = Case.from_mapping(data)
     setup = set_up(case)
+    (words,) = [each for each in setup.layout.messages if "[rotation]" in each]
+    printed_sentence(words)
     model = build_model(case, setup.assemble(), load_joint(case, setup.layout))
     # a rigid motion of the beam is not free (it is clamped), so the shift is that of the loose block alone
     block = np.isin(model.superelement.boundary_nodes, setup.mesh.nodes_of_body(1))  # type: ignore[attr-defined]

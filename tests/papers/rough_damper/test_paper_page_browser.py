@@ -42,7 +42,14 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     failures = [Failure(Setting("base", "same", 5.0, 100.0, 2.4, 1e-9, "consistent"), "No <result>.")]
     path = folder / "paper.html"
     write_page(
-        path, [item], {"sides": picture}, {Verdict.HOLDS: 1}, failures, StudyText("[study]"), {"date": "2024-01-01"}
+        path,
+        [item],
+        {"sides": picture},
+        {Verdict.HOLDS: 1},
+        failures,
+        ("A line.",),
+        StudyText("[study]"),
+        {"date": "2024-01-01"},
     )
     return path
 
@@ -62,7 +69,7 @@ def test_the_keyboard_reaches_items_tables_and_data(browser: Any, report: Path) 
         stops = tab_stops(page)
         assert (stops[0]["tag"], stops[0]["name"]) == ("a", "One & only")
         names = [stop["name"] for stop in stops]
-        assert {"as SVG", "peaks.csv", "Peaks", "The complete study file"} <= set(names)
+        assert {"as SVG", "peaks.csv", "Table: Peaks", "The complete study file"} <= set(names)
         page.keyboard.press("Tab")
         page.keyboard.press("Enter")  # the link to the item
         assert page.evaluate("location.hash") == "#one"
@@ -87,9 +94,14 @@ def test_a_row_of_the_conclusions_is_seen_whole_on_a_common_screen(browser: Any,
     sweeps = {"up": other, "down": judged}
     item = conclusions_item([JudgedClaim(statement, place, judged, sweeps, REMARKS[statement])], [changed])
     path = tmp_path / "paper.html"
-    write_page(path, [item], {}, {judged.verdict: 1}, [], StudyText("[study]"), {"date": "2024-01-01"})
+    write_page(path, [item], {}, {judged.verdict: 1}, [], (), StudyText("[study]"), {"date": "2024-01-01"})
     with opened_page(browser, path, drawn=False) as page:
         assert "preload solved" in page.locator("section#conclusions td").last.inner_text()
         assert page.evaluate(
             "[...document.querySelectorAll('.scroll')].every(box => box.scrollWidth <= box.clientWidth)"
+        )
+    with opened_page(browser, path, 400, drawn=False) as page:
+        badges = "[...document.querySelectorAll('section#conclusions td:nth-child(2) .verdict')]"
+        assert page.evaluate(
+            f"{badges}.length === 1 && {badges}.every(one => one.getBoundingClientRect().right <= 400)"
         )

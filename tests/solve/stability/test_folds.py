@@ -30,6 +30,7 @@ def test_the_distance_of_the_multiplier_from_1_at_a_fold_is_an_error() -> None:
     assert doubtful_range(0, []) == NEAR_FOLD
     exact = Fold(6.0, 5.0, 0.0)
     assert doubtful_range(7, [fold, exact]) == NEAR_FOLD  # beyond another fold
+    assert doubtful_range(0, [Fold(2.25, 10.0, 0.37)]) == NEAR_FOLD  # no error of any harmonics is so large
 
 
 def test_doubtful_points_take_the_count_of_their_side() -> None:

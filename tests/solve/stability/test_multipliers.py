@@ -10,7 +10,7 @@ import pytest
 
 import stickslip as ss
 from castings import casting_case
-from helpers import Blade
+from helpers import Blade, benchmark_module
 from sentences import printed_sentence
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.results.response_data import NO_STABILITY
@@ -210,6 +210,26 @@ def test_a_body_on_friction_alone_has_no_multiplier_of_its_drift() -> None:
     assert response.stability_message == "All points are stable."
 
 
+@pytest.mark.slow
+def test_a_slider_that_touches_its_limit_does_not_follow_a_motion_that_rotates() -> None:
+    """Light 1 of the torture set: with the touching slider as one that slips, 8 of these points had multipliers of
+    size 1.05, a torus. In time the motion of such a point stays as it is."""
+    problem = benchmark_module("torture_problems").make("light", 1)
+    response = problem.solve(window_hz=(70.12, 70.08))
+    assert response.stability_message == "All points are stable."
+    assert response.bifurcations == ()
+    touches = (response.contact_state == ss.ContactState.STUCK).all(axis=1) & (
+        response.dissipated_energy.sum(axis=1) > 0.0
+    )
+    point = int(np.flatnonzero(touches)[0])
+    motion = ss.integrate_to_steady_state(
+        problem.superelement(), problem.pairs(), problem.force_cos, problem.force_sin,
+        float(response.frequency_hz[point]), steps_per_period=240, max_periods=100, tolerance=1e-12,
+        **ss.start_from_response(response, point),
+    )  # fmt: skip
+    assert motion.period_change.max() < 1.5 * motion.period_change[:2].max()  # 1.05^100 is 130
+
+
 def test_a_law_without_steps_gives_a_reason_and_no_verdict() -> None:
     law = ss.IwanJoint(np.array([[100.0, 100.0]]), np.array([[1.0, 1.0]]), np.array([-0.5]), np.array([0.1]))
     pairs = ss.ContactPairs.with_laws(np.array([[1.0], [0.0], [0.0]]), [law])
@@ -278,4 +298,8 @@ def test_the_two_blade_case_loses_stability_at_its_folds_alone() -> None:
     place = np.arange(response.n_points)
     assert response.stable is not None
     assert np.array_equal(response.stable, (place < upper) | (place > lower))
-    assert response.stability_message == f"{int((~response.stable).sum())} of {response.n_points} points are unstable."
+    unstable = int((~response.stable).sum())
+    # Beside the folds, three points have the verdict of their side against their own multipliers.
+    assert response.stability_message.startswith(
+        f"{unstable} of {response.n_points} points are unstable. 3 are too close"
+    )

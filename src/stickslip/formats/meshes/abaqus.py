@@ -23,6 +23,7 @@ from stickslip.formats.meshes.abaqus_keywords import (
 )
 from stickslip.formats.meshes.abaqus_loads import LoadCards
 from stickslip.formats.meshes.abaqus_materials import MaterialCards
+from stickslip.formats.meshes.abaqus_points import POINT_ELEMENTS, PointCards
 from stickslip.formats.meshes.abaqus_systems import SystemCards
 from stickslip.formats.meshes.abaqus_ties import TieCards
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
@@ -72,6 +73,7 @@ class _Reader:
         self._materials = MaterialCards(self.raw)
         self._ties = TieCards(self.raw, self._find)
         self._contact = ContactCards(self.raw)
+        self._points = PointCards(self.raw, self._find)
         self._loads = LoadCards(self.raw, self._find)
         self._cards: dict[str, Callable[[Card], None]] = {
             "NODE": self._nodes,
@@ -84,6 +86,7 @@ class _Reader:
             **self._systems.cards,
             **self._ties.cards,
             **self._contact.cards,
+            **self._points.cards,
             **self._loads.cards,
         }
 
@@ -114,6 +117,7 @@ class _Reader:
         raw.loads = basic_loads(raw.loads, frames)
         self._ties.write(frames)
         self._contact.write()
+        self._points.write(set(frames))
         raw.ties.equations += equations
         sections = [(card.instance, replace(body, axes=self._materials.axes(card))) for card, body in self._sections]
         raw.bodies = _named_bodies(sections or self._bodies_of_blocks())
@@ -183,6 +187,9 @@ class _Reader:
             self._add("element", elset, labels, card.line)
         if solid is None:
             self._other_labels += labels.tolist()
+            if name in POINT_ELEMENTS:
+                self._points.add(rows)
+                return
             self.raw.other_elements[name] = self.raw.other_elements.get(name, 0) + len(labels)
             if name == "DCOUP3D":
                 self.raw.point_elements |= {row[0]: row[1] for row in rows}

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.build_materials import build_materials
+from stickslip.formats.meshes.build_points import build_points
 from stickslip.formats.meshes.build_ties import build_equations
 from stickslip.formats.meshes.element_checks import require_sound_elements
 from stickslip.formats.meshes.face_sets import build_face_sets
@@ -79,6 +80,7 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
         fixed_unknowns=_fixed(raw, numbers, len(labels)),
         node_forces=_forces(raw, units, numbers, len(labels)),
         equations=equations,
+        attachments=build_points(raw, units, numbers.of, len(labels), messages),
         contacts=tuple(_contacts(raw, mesh, messages)),
         messages=tuple(messages),
         warnings=tuple(odd.sentence for odd in model_oddities(mesh, materials)),

@@ -11,6 +11,7 @@ from stickslip.core.errors import ImportFileError
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.raw_contacts import RawContact
 from stickslip.formats.meshes.raw_model import LabelRange, shown_label
+from stickslip.structure.attachments import Attachments
 from stickslip.structure.elasticity import Material
 from stickslip.structure.equations import Equations
 from stickslip.structure.mesh import IntArray, Mesh
@@ -40,6 +41,8 @@ class ImportedModel:
         ties, rigid bodies, couplings and equations of the file, None without any.
     contacts:
         contact pairs of the file between faces of the mesh; a study may take them over as joints.
+    attachments:
+        mass points and springs of the file, None without any.
     length_unit, unit_system:
         units of the numbers of the file.
     messages:
@@ -61,6 +64,7 @@ class ImportedModel:
     label_ranges: tuple[LabelRange, ...] = ()
     equations: Equations | None = None
     contacts: tuple[RawContact, ...] = ()
+    attachments: Attachments | None = None
     messages: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 

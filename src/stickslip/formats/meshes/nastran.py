@@ -23,6 +23,7 @@ from stickslip.formats.meshes.nastran_contact import Elements, NastranContact
 from stickslip.formats.meshes.nastran_grids import Grids, constrained_nodes
 from stickslip.formats.meshes.nastran_include import join_files
 from stickslip.formats.meshes.nastran_materials import AnisotropicMaterials
+from stickslip.formats.meshes.nastran_points import NastranPoints
 from stickslip.formats.meshes.nastran_systems import SYSTEM_CARDS, Systems
 from stickslip.formats.meshes.nastran_ties import NastranTies
 from stickslip.formats.meshes.raw_model import (
@@ -129,6 +130,7 @@ class _Reader:
         self._moved: list[int] = []  # lines of displacements other than 0
         self._ties = NastranTies()
         self._contact = NastranContact()
+        self._points = NastranPoints(self.raw)
         self._other_materials = AnisotropicMaterials(self.raw)
         self._cards: dict[str, Callable[[BulkCard], None]] = {
             "GRID": self._grids.add,
@@ -149,6 +151,7 @@ class _Reader:
             **dict.fromkeys(_SHELLS, self._shell),
             **self._ties.cards,
             **self._contact.cards,
+            **self._points.cards,
         }
 
     def take(self, card: BulkCard) -> None:
@@ -180,6 +183,7 @@ class _Reader:
         raw.held, raw.ties.equations = self._grids.in_basic_directions(raw, constrained, frames)
         self._ties.write(raw, self._case, {label: rows for label, (rows, _) in frames.items()})
         self._contact.write(raw, Elements(self._solids, self._shell_corners, self._of_property))
+        self._points.write(set(frames))
         raw.messages += _frame_messages(raw, list(frames))
         if self._moved:
             raw.messages.append(

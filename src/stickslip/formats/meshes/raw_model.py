@@ -14,6 +14,7 @@ from stickslip.core.input_files import read_regular
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.raw_contacts import RawContact
 from stickslip.formats.meshes.raw_materials import RawMaterial as RawMaterial
+from stickslip.formats.meshes.raw_points import RawMass, RawSpring
 from stickslip.formats.meshes.raw_ties import RawTies
 from stickslip.structure.mesh import IntArray
 
@@ -161,6 +162,8 @@ class RawModel:
     loads: list[RawLoad] = field(default_factory=list)
     ties: RawTies = field(default_factory=RawTies)
     contacts: list[RawContact] = field(default_factory=list)
+    masses: list[RawMass] = field(default_factory=list)
+    springs: list[RawSpring] = field(default_factory=list)
     node_surfaces: set[str] = field(default_factory=set)
     other_elements: dict[str, int] = field(default_factory=dict)
     point_elements: dict[int, int] = field(default_factory=dict)

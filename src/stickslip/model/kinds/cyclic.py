@@ -140,13 +140,13 @@ class CyclicKind(OwnKind[CyclicCase]):
 
     def facts(self, case: CyclicCase) -> tuple[Derived, ...]:
         """What a travelling wave means for the numbers of the page."""
-        order = case.travelling_wave.engine_order
+        wave = self.wave(case)
         return (
             (
                 "Engine order",
-                order,
+                wave.engine_order,
                 "-",
-                f"{case.travelling_wave.direction} wave round the disk; all forces travel with it",
+                f"{wave.direction} wave; all forces travel with it",
             ),
             ("Sectors", "all alike", "-", "amplitudes, energies and forces are those of each one, at another time"),
         )
@@ -204,6 +204,12 @@ def _require_no_equations(source: ImportedModel) -> None:
         raise InputError(
             f"{source.source} contains ties, rigid bodies, couplings or equations, which a sector cannot have "
             'yet. Give one mesh with common nodes, or the full ring with structure.kind = "mesh".',
+            ("structure.file",),
+        )
+    if source.attachments is not None:
+        raise InputError(
+            f"{source.source} has mass points or springs, which a sector cannot have yet. Remove them, or add "
+            "the mass to the density of a body.",
             ("structure.file",),
         )
 

@@ -33,6 +33,7 @@ from stickslip.model.kinds.ties import (
 from stickslip.model.layout import BaseMotionOfSupport, Derived, Layout, NodeGroup
 from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_joints
+from stickslip.structure.attachments import Attachments, attach
 from stickslip.structure.body_load import centrifugal_load, translation_inertia
 from stickslip.structure.constraints import Constraints
 from stickslip.structure.elasticity import Hexahedron, Material, Structure, assemble_bodies
@@ -54,16 +55,18 @@ class MeshSetup:
     layout: Layout
     pairings: tuple[Pairing, ...]
     constraints: Constraints | None = None
+    attachments: Attachments | None = None
 
     def assemble(self) -> Structure:
-        """Matrices of all bodies."""
-        return assemble_bodies(
+        """Matrices of all bodies, with the mass points and springs of the file."""
+        solids = assemble_bodies(
             self.mesh,
             self.materials,
             self.element,
             fixed_unknowns=self.fixed_unknowns,
             constraints=self.constraints,
         )
+        return attach(solids, self.attachments)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Elements, nodes, bodies with their material and mass, named sets."""
@@ -90,6 +93,7 @@ class MeshSetup:
             ("face sets", ", ".join(sorted(mesh.face_sets)) or "none"),
             ("other sets", ", ".join(others) or "none"),
             ("constrained displacements", f"{self.fixed_unknowns.size}"),
+            *(() if self.attachments is None else self.attachments.sizes()),
             *self._tied(),
         )
 
@@ -137,7 +141,7 @@ class MeshKind(OwnKind[MeshCase]):
                     layout, messages=(*layout.messages, *ties.messages), facts=(*layout.facts, *ties.facts)
                 )
         element = case.structure.element or "incompatible"
-        return MeshSetup(mesh, materials, fixed, element, layout, pairings, constraints)
+        return MeshSetup(mesh, materials, fixed, element, layout, pairings, constraints, source.attachments)
 
     def find_layout(self, case: MeshCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the file; ``mesh`` must be that of :func:`set_up`."""
@@ -219,10 +223,11 @@ def _layout(
     mesh, names, pairings = source.mesh, tuple(named), tuple(named.values())
     fixed, constraints = constrained
     pairs = FacePairs.concatenate([each.pairs for each in pairings])
+    masses = None if source.attachments is None else source.attachments.masses
     body_load = None
     if case.rotation is not None:
         turn = case.rotation
-        body_load = centrifugal_load(mesh, materials, np.array(turn.axis), np.array(turn.point))
+        body_load = centrifugal_load(mesh, materials, np.array(turn.axis), np.array(turn.point), masses)
     base_inertia = None
     if case.base_motion is not None:
         if not fixed.size:
@@ -231,12 +236,16 @@ def _layout(
                 "Constrain some, or remove the section.",
                 ("base_motion",),
             )
-        base_inertia = translation_inertia(mesh, materials)
-    require_support(mesh, pairs.nodes, fixed, constraints, source)
+        base_inertia = translation_inertia(mesh, materials, masses)
+    supported = fixed
+    if source.attachments is not None:
+        supported = np.union1d(fixed, source.attachments.grounded).astype(np.int64)
+    require_support(mesh, pairs.nodes, supported, constraints, source)
     _require_free(named, node_groups, fixed, source)
     messages = (
         *source.messages,
         *_unused_forces(source),
+        *_stiffness_at_rest(case),
         *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
     )
     return Layout(
@@ -258,6 +267,16 @@ def pairing_facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator
     for name, pairing in zip(names, pairings, strict=True):
         for label, value, unit in pairing.summary():
             yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "from the pairing of the faces"
+
+
+def _stiffness_at_rest(case: MeshCase) -> Iterator[str]:
+    if case.rotation is not None:
+        speed_rpm = case.rotation.speed * 60.0 / (2.0 * np.pi)
+        yield (
+            f"[rotation] at {speed_rpm:.4g} rpm loads the joint. The structure has its stiffness at rest, without "
+            "stress stiffening, spin softening and Coriolis forces, which raise or lower its frequencies. In Python, "
+            "stickslip.rotating computes them (docs/theory_rotation.md)."
+        )
 
 
 def _unused_forces(source: ImportedModel) -> Iterator[str]:

@@ -29,11 +29,17 @@ _CLASS = {
     Verdict.DOES_NOT_HOLD: "not",
     Verdict.UNDECIDED: "open",
 }
+# The copy of the article from which the claims were read names neither its authors nor its DOI.
+CITATION = (
+    "The article: The Influence of Interface Roughness on the Vibration Reduction Characteristics of an Under-Platform "
+    "Damper. MDPI, Basel, 2023. Open access, CC BY 4.0."
+)
 LARGEST_SHOWN = 60
 LONG_CELL = 40  # letters from which a cell needs a wide column
 # Folders beside the page, to which it links.
 FIGURE_FOLDER = "figures"
 TABLE_FOLDER = "tables"
+OPEN_TABLE = "conclusions"  # the only table that is not folded
 
 
 def write_page(
@@ -42,10 +48,12 @@ def write_page(
     figures: Mapping[str, Path],
     counts: Mapping[Verdict, int],
     failures: Sequence[Failure],
+    summary: Sequence[str],
     inputs: StudyText,
     provenance: Mapping[str, str],
 ) -> None:
-    """Write the page, completely or not at all. ``figures``: name -> PNG file. Raises InputError."""
+    """Write the page, completely or not at all. ``figures``: name -> PNG file; ``summary``: lines above all items.
+    Raises InputError."""
     values = {
         "title": TITLE,
         "description": DESCRIPTION,
@@ -58,6 +66,9 @@ def write_page(
         "verdict_class": {verdict.value: look for verdict, look in _CLASS.items()},
         "figure_folder": FIGURE_FOLDER,
         "table_folder": TABLE_FOLDER,
+        "citation": CITATION,
+        "summary": summary,
+        "open_table": OPEN_TABLE,
         "inputs": inputs,
     }
     kind, here = "A published study, computed again", "stickslip.papers.rough_damper"

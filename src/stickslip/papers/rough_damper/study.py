@@ -86,8 +86,9 @@ def _written(folder: Path, scope: Scope, computed: Computed, listener: Progress)
     page = folder / PAGE_FILE
     pictures = {name: written[-1] for name, written in drawn.items()}
     case = base_case(scope)
+    summary = verdict_items.summary_lines(claims)
     study = StudyText(case.to_text(), case.changed_keys())
-    write_page(page, shown, pictures, verdicts, computed.failures, study, run_provenance())
+    write_page(page, shown, pictures, verdicts, computed.failures, summary, study, run_provenance())
     listener.update("Files", 1.0, PAGE_FILE)
     files = [page, *files, *(file for written in drawn.values() for file in written)]
     return PaperOutcome(

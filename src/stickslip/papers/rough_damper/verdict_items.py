@@ -13,8 +13,10 @@ from stickslip.papers.rough_damper.further_claims import rotation_words
 from stickslip.papers.rough_damper.items import SWEEPS, Item, base, seen
 from stickslip.papers.rough_damper.model_items import MODEL_CLAIMS
 from stickslip.papers.rough_damper.tables import Cell, Table, columns
-from stickslip.papers.rough_damper.verdicts import Answer, Judgement
+from stickslip.papers.rough_damper.verdicts import Answer, Judgement, Verdict
 
+# Verdict -> largest number of lines of the summary above all items.
+_SUMMARY_LINES = {Verdict.DOES_NOT_HOLD: 4, Verdict.HOLDS_IF: 3, Verdict.UNDECIDED: 1}
 # What the study does not compute.
 LEFT_OUT = (
     "Left out: Table 3, which lists dimensions and material of the blade (inputs, see E29), and the schematics: Figure "
@@ -75,34 +77,53 @@ def _remark(claim: Claim, chosen: Solutions) -> str:
     return " ".join(filter(None, [claim.beside_words(chosen), motion, REMARKS.get(claim.statement, "")]))
 
 
+def summary_lines(claims: Sequence[JudgedClaim]) -> tuple[str, ...]:
+    """At most ten lines: the number of claims with each verdict, and the first claims of each verdict but "holds"."""
+    by_verdict = {verdict: [each for each in claims if each.judged.verdict is verdict] for verdict in Verdict}
+    counts = ", ".join(f"{len(chosen)} {verdict.value}" for verdict, chosen in by_verdict.items() if chosen)
+    lines = [f"{len(claims)} claims by the highest peak on each curve: {counts}."]
+    differing = _differing(claims)
+    if differing:
+        lines.append(f"{differing} of them have another verdict by the peaks of a slow sweep up or down.")
+    for verdict, most in _SUMMARY_LINES.items():
+        chosen = by_verdict[verdict]
+        lines += [f"{verdict.value.capitalize()}: {each.statement}" for each in chosen[:most]]
+        if len(chosen) > most:
+            lines[-1] += f" And {len(chosen) - most} more of this verdict."
+    return tuple(lines)
+
+
+def _differing(claims: Sequence[JudgedClaim]) -> int:
+    """Number of claims with another verdict by a slow sweep."""
+    return sum(any(other.verdict is not each.judged.verdict for other in each.by_sweep.values()) for each in claims)
+
+
 def conclusions_item(claims: Sequence[JudgedClaim], changed: Sequence[ChangedVerdict]) -> Item:
     """Conclusions 1 to 4: a row for each claim."""
     sensitive = {each.statement: each.changes_with for each in changed}
     rows: list[tuple[Cell, ...]] = [
         (
             each.statement,
-            each.place,
-            _examples(each.judged),
             each.judged.verdict.value,
             *(each.by_sweep[reading].verdict.value for reading in SWEEPS),
+            each.place,
+            _examples(each.judged),
             f"{each.judged.reason} {each.remark}".strip(),
             sensitive[each.statement],
         )
         for each in claims
     ]
-    differing = sum(
-        any(other.verdict is not each.judged.verdict for other in each.by_sweep.values()) for each in claims
-    )
+    differing = _differing(claims)
     table = Table(
         "conclusions",
         "Claims, numbers of stickslip, verdicts",
         columns(
             "claim||Claim",
-            "place||In the paper",
-            "numbers||Numbers of stickslip",
             "verdict||Verdict",
             "sweep_up||By a slow sweep up",
             "sweep_down||By a slow sweep down",
+            "place||In the paper",
+            "numbers||Numbers of stickslip",
             "why||Why",
             "changes_with||Another verdict with",
         ),

@@ -127,7 +127,9 @@
   function fitToPrint(plot) {
     if (plot.dataset.height) return;
     const isHalf = Boolean(plot.closest(".maps, .two")), screen = plot.layout.height;
-    const height = Math.round(isHalf ? 100 + 0.26 * screen : 0.52 * screen);
+    // figures name the height of a legend of several rows, of which print keeps three quarters
+    const legend = (plot.layout.meta || {}).legend || 0, rest = screen - legend;
+    const height = Math.round((isHalf ? 96 + 0.24 * rest : 0.45 * rest) + 0.75 * legend);
     plot.dataset.height = screen;
     scaleMarks(plot, 0.6);
     plot.style.height = height + "px";  // plotly may fit its figures to their elements once more

@@ -23,7 +23,7 @@ from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
 from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
-from stickslip.solve.stability.multipliers import ComplexArray, multipliers, stuck_multipliers
+from stickslip.solve.stability.multipliers import ComplexArray, is_real, multipliers, stuck_multipliers
 
 # Samples of the period, and for each harmonic, at first; near the unit circle up to FINEST times as many.
 FIRST_SAMPLES, SAMPLES_PER_HARMONIC, FINEST = 128, 16, 4
@@ -36,8 +36,8 @@ FIRST_ERROR, LARGEST_ERROR = 0.15, 0.01
 SURELY_OUTSIDE = 1.5
 # Round-off of the march, where no contact changes.
 ROUND_OFF = 1e-7
-# Number of multipliers of each point in a result, and the relative imaginary part below which one is real.
-STORED, REAL = 4, 1e-7
+# Number of multipliers of each point in a result.
+STORED = 4
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class CurveStability:
         in the order of the curve.
     undecided:
         number of points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
-        computed size; real ones near 1 do not count, because folds decide.
+        computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers.
     error_at_folds:
         largest distance from 1 of the multiplier at a fold where the stability changes; a large one says that the
         harmonics are too few.
@@ -100,7 +100,7 @@ class _Verdict:
 
     @property
     def _real(self) -> BoolArray:
-        return np.asarray(np.abs(self.values.imag) <= REAL * np.abs(self.values))
+        return is_real(self.values)
 
     @property
     def is_surely_unstable(self) -> bool:
@@ -166,7 +166,11 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
     possible = [verdict.possible(doubtful_range(point, folds)) for point, verdict in enumerate(verdicts)]
     near_one = [verdict.near_one(NEAR_FOLD) for verdict in verdicts]
     positive = sided_counts([each.positive for each in counts], possible, near_one, folds)
+    alone = [any(each) for each in counts]
     counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]
+    unsure = sum(
+        verdict.undecided or own != any(each) for verdict, own, each in zip(verdicts, alone, counts, strict=True)
+    )
     table = np.zeros((len(trials), STORED), dtype=complex)
     for row, verdict in zip(table, verdicts, strict=True):
         row[: verdict.values.size] = verdict.values[:STORED]
@@ -174,7 +178,7 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
         np.array([not any(each) for each in counts]),
         table,
         tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
-        sum(verdict.undecided for verdict in verdicts),
+        unsure,
         max((fold.error for fold in folds if _changes_at(fold, positive)), default=0.0),
     )
 
@@ -256,6 +260,6 @@ def _bifurcation(
 
 def _crossing_size(values: ComplexArray, kind: BifurcationKind) -> float:
     """The largest size of the multipliers that cross in a bifurcation of a kind."""
-    real = np.abs(values.imag) <= REAL * np.abs(values)
+    real = is_real(values)
     chosen = {"period doubling": real & (values.real < 0.0), "torus": ~real}.get(kind, real & (values.real > 0.0))
     return float(np.abs(values[chosen]).max(initial=0.0))

@@ -14,8 +14,10 @@ from stickslip.solve.stability.multipliers import ComplexArray
 # but only for disturbances smaller than the slip: on the benchmark blade with half its preload from 1.044 to 0.995 and
 # back within two points between the folds, where time integration leaves the motion after a disturbance of 1 %.
 NEAR_FOLD = 0.01
-# chosen: the same for this multiple of the distance from 1 of the multiplier at a fold beside the point.
-FOLD_MARGIN = 1.2
+# chosen: the same for this multiple of the distance from 1 of the multiplier at a fold beside the point. Beyond the
+# second number the fold says nothing about other points: it is a wrinkle of the curve, or the solution has far too few
+# harmonics (0.37 on beam 2 of the torture set with 3, where time integration leaves points with multipliers of 1.5).
+FOLD_MARGIN, LARGEST_FOLD_ERROR = 1.2, 0.1
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ def doubtful_range(point: int, folds: Sequence[Fold]) -> float:
     """Distance from 1 up to which a real multiplier of a point does not decide."""
     before = [fold.error for fold in folds if fold.position < point][-1:]
     after = [fold.error for fold in folds if fold.position >= point][:1]
-    return max([NEAR_FOLD, *(FOLD_MARGIN * error for error in before + after)])
+    return max([NEAR_FOLD, *(FOLD_MARGIN * error for error in before + after if error <= LARGEST_FOLD_ERROR)])
 
 
 def _distance_from_one(values: Sequence[ComplexArray]) -> float:

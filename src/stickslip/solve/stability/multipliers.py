@@ -31,27 +31,54 @@ DENSE_SIZE = 64
 RITZ_TOLERANCE, MOST_BLOCKS, SMALLEST_SIZE = 1e-4, 6, 0.5
 # Directions of a block with less than this fraction of its length are round-off, which would enter the basis twice.
 SMALLEST_DIRECTION = 1e-8
+# The relative imaginary part below which a multiplier is real.
+REAL = 1e-7
 
 
 def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> ComplexArray:
     """The multipliers of a solution, the largest first; all that matter, and often more.
 
-    A pair that sticks through the period is its springs: its slider is no state and has no multiplier 1. One that has
-    shaken down and touches its limit follows disturbances that go farther. Neutral disturbances are left out.
+    A pair that sticks through the period is its springs: its slider is no state and has no multiplier 1. Neutral
+    disturbances are left out.
+
+    A slider that has shaken down and only touches its limit follows a disturbance that goes farther, and does not come
+    back. So it follows one that grows to one side, of a real multiplier above 0. One that changes its sign or rotates
+    moves it once and does not touch it again until it is larger: if such a one seems to grow, the multipliers of
+    touching pairs that stick decide.
     """
     coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
     harmonics = coefficients.shape[2] // 2
     moving = np.flatnonzero(trial.contact.moves.any(axis=1))
-    steps = None
-    if moving.size:
-        motion = np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0)
-        every = linear_steps(pairs, motion)
-        steps, moving = _states_of(every, moving, model.springs)
-    if steps is None or not moving.size:
+    if not moving.size:
+        return stuck_multipliers(model, trial.omega)
+    motion = np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0)
+    every = linear_steps(pairs, motion)
+    values = _values_of(model, every, moving, trial)
+    to_one_side = is_real(values) & (values.real > 0.0)
+    if (np.abs(values[~to_one_side]) <= 1.0).all():
+        return values
+    touching = moving[trial.contact.state[moving] == ContactState.STUCK]
+    touching = touching[every.keep[:, touching].any(axis=(0, 2, 3))]
+    if not touching.size:
+        return values
+    every.keep[:, touching] = np.eye(2)
+    sticking = _values_of(model, every, moving, trial)
+    others = sticking[~(is_real(sticking) & (sticking.real > 0.0))]
+    return _sorted(np.concatenate([values[to_one_side], others]))
+
+
+def is_real(values: ComplexArray) -> NDArray[np.bool_]:
+    """Which of some multipliers are real."""
+    return np.asarray(np.abs(values.imag) <= REAL * np.abs(values))
+
+
+def _values_of(model: StabilityModel, steps: LinearSteps, moving: IndexArray, trial: Trial) -> ComplexArray:
+    """The eigenvalues of the march over the steps of all pairs, of which some are ``moving``."""
+    steps, moving = _states_of(steps, moving, model.springs)
+    if not moving.size:
         return stuck_multipliers(model, trial.omega)
     period = Period(model, steps, moving, trial.omega)
     scale = period.scale(model, trial.omega)
-
     sticks = trial.contact.state[moving] == ContactState.STUCK
     neutral = neutral_disturbances(model, steps, moving, sticks, trial.omega, scale)
 
