@@ -16,6 +16,7 @@ from stickslip.core.errors import InputError
 from stickslip.model.kinds.contact_lines import contact_lines
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import summary
+from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.model_facts import body_volumes
 from stickslip.study.check import check
