@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -71,7 +71,7 @@ def unmeasured() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_PROCESS_")}
 
 
-def absent_tool(name: str, advice: str) -> None:
+def absent_tool(name: str, advice: str) -> NoReturn:
     """Skip the test because ``name`` is not installed; in CI (STICKSLIP_REQUIRE_TOOLS) fail instead."""
     sentence = f"{name} is not installed: {advice}"
     if os.environ.get("STICKSLIP_REQUIRE_TOOLS"):

@@ -1,6 +1,7 @@
 """Fixtures of meshes, for tests of structures and of the two blades."""
 
 import csv
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from stickslip.structure.mesh import Mesh
 DATA = Path(__file__).parent / "data"
 
 
-def brick_block(counts, lengths, distortion=0.0):
+def brick_block(counts: Sequence[int], lengths: Sequence[float], distortion: float = 0.0) -> Mesh:
     """A free block of bricks; every node is moved at random by up to ``distortion`` element sizes."""
     axes = [np.linspace(0.0, length, count + 1) for count, length in zip(counts, lengths, strict=True)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)

@@ -14,6 +14,7 @@ from stickslip.core.errors import InputError, StudyFileError
 from stickslip.model.kinds.two_blade_geometry import BladePairElements, BladePairGeometry
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.model.model import build_joint, build_structure, load_joint, set_up
+from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.study.check import check
 from sweep_cases import COARSE_MESH
@@ -84,7 +85,8 @@ def test_exchanged_angles_have_the_same_frequencies() -> None:
         angles = {"geometry.platform_angle": left, "geometry.right_platform_angle": right}
         case = coarse(**angles, **{"geometry.underside_height_at_shank": underside})
         structure = build_structure(case)
-        joint = build_joint(case, structure)  # type: ignore[arg-type]
+        assert isinstance(structure, Structure)
+        joint = build_joint(case, structure)
         loads = [joint.preload[joint.face_pairs.face == face].sum() for face in (0, 1)]
         found.append((joined_modes(structure, joint.face_pairs, 3, joint.resting_springs)[0], loads))
     assert found[0][0] == pytest.approx(found[1][0], rel=1e-6)

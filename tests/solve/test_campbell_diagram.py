@@ -61,7 +61,7 @@ def test_stuck_contact_adds_its_springs_at_each_speed(rotor: Any) -> None:
     figure = diagram.plot()
     axes = figure.axes[0]
     assert len(axes.lines) == 4 + len(diagram.orders) + 1  # two limits of two modes, engine orders, crossings
-    marks = axes.lines[-1].get_xydata()
+    marks = np.asarray(axes.lines[-1].get_xydata())
     assert len(marks) == len(diagram.crossings())
     assert [text.get_text() for text in axes.texts] == [str(order) for order in diagram.orders]
 

@@ -91,7 +91,7 @@ def test_slip_and_separation_are_those_of_time_integration(structure: Any) -> No
     assert set(response.contact_state.ravel()) >= {ss.ContactState.STICK_SLIP, ss.ContactState.SEPARATING}
     peak = int(response.amplitude(row).argmax())
     for place in {peak, len(response.frequency_hz) // 3}:
-        start = ss.start_from_response(response, place)
+        start: dict[str, Any] = dict(ss.start_from_response(response, place))
         motion = ss.integrate_to_steady_state(
             structure, pairs, COS, SIN, float(response.frequency_hz[place]), 2000, tolerance=1e-8, **start
         )

@@ -122,7 +122,9 @@ def test_small_forces_give_the_stuck_resonance_and_large_ones_the_energies(chang
     case = study(**changes, **{"excitation.mode": "opposite"})
     setup = set_up(case)
     joint = load_joint(case, setup.layout)
-    stuck = joined_modes(setup.assemble(), joint.face_pairs, 2, joint.resting_springs)[0][1]
+    structure = setup.assemble()
+    assert isinstance(structure, Structure)
+    stuck = joined_modes(structure, joint.face_pairs, 2, joint.resting_springs)[0][1]
     window = {"solver.frequency_start": f"{stuck - 8.0} Hz", "solver.frequency_stop": f"{stuck + 5.0} Hz"}
     quiet = ss.solve_case(case.replace({**window, "excitation.amplitude": "0.01 N", "solver.harmonics": 1}))
     output = next(iter(quiet.model.outputs.values()))

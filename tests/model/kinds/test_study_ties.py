@@ -70,6 +70,8 @@ def test_a_tie_in_the_study_is_that_of_the_file(tmp_path: Path) -> None:
     of_study = set_up(study(tmp_path))
     in_file = set_up(study(tmp_path, f"*TIE, NAME=t\nsupper, slower\n{COUPLED}", ties={}))
     one, other = of_study.assemble(), in_file.assemble()
+    assert isinstance(one, Structure)
+    assert isinstance(other, Structure)
     assert one.stiffness.shape == other.stiffness.shape
     assert abs(one.stiffness - other.stiffness).max() < 1e-9 * abs(one.stiffness).max()
     count = two_blocks().node_sets["upper"].size

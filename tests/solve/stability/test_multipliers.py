@@ -223,10 +223,10 @@ def test_a_slider_that_touches_its_limit_does_not_follow_a_motion_that_rotates()
         response.dissipated_energy.sum(axis=1) > 0.0
     )
     point = int(np.flatnonzero(touches)[0])
+    start: dict[str, Any] = dict(ss.start_from_response(response, point))
     motion = ss.integrate_to_steady_state(
         problem.superelement(), problem.pairs(), problem.force_cos, problem.force_sin,
-        float(response.frequency_hz[point]), steps_per_period=240, max_periods=100, tolerance=1e-12,
-        **ss.start_from_response(response, point),
+        float(response.frequency_hz[point]), steps_per_period=240, max_periods=100, tolerance=1e-12, **start,
     )  # fmt: skip
     assert motion.period_change.max() < 1.5 * motion.period_change[:2].max()  # 1.05^100 is 130
 
