@@ -34,7 +34,6 @@ SEPARATE_CURVES = 300  # chosen: above it curves of one colour are one trace
 LARGEST_MAP_COUNT = 12  # chosen: maps on a page
 UNSTABLE = {"dash": "2px,2px", "width": 0.9}  # finer than the dashes that show a key
 _TICKS = 8  # chosen: largest number of values with a tick each
-_MAP_FACTOR = 10.0  # chosen: colours of maps are logarithmic if the values differ by more
 
 
 def thinned_curves(view: SweepView) -> Thinned:
