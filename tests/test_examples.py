@@ -195,7 +195,7 @@ def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
         if words[0] == "new":
             quick_file(tmp_path, **BELOW_THE_PEAK)
     assert len(list(tmp_path.glob("loads/cases/*/results.nc"))) == 5
-    assert len(list(tmp_path.glob("loads/cases/*/report.html"))) == 1
+    assert len(list(tmp_path.glob("loads/cases/*/report.html"))) == 5
     assert len(list(tmp_path.glob("modes/cases/*/results.nc"))) == 6
     script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
     exec(compile(script, "sweeps.md", "exec"), {"__name__": "__main__"})

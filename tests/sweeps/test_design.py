@@ -194,7 +194,7 @@ def test_limits_that_no_design_satisfies_are_a_result(
     assert (result.converged, result.optimum, result.case) == (False, None, None)
     nearest = min(result.evaluations, key=lambda each: each.excess)
     assert nearest.excess == pytest.approx(optimum()[1] / 3e-4 - 1.0, rel=1e-3)
-    printed_sentence(result.remarks[0])
+    printed_sentence(result.remarks[0], numbers=False)  # their count depends on the order in which they end
     assert not (tmp_path / "optimum.toml").exists()
     assert "No design satisfies the limits" in (tmp_path / "design.html").read_text(encoding="utf-8")
 

@@ -9,6 +9,7 @@ from collections import Counter
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -230,12 +231,14 @@ def test_cases_that_fail_are_rows_and_the_others_continue(swept: tuple, tmp_path
 
 @pytest.mark.slow
 def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def stopped(case: Case, model: ReducedModel, progress: Progress, threads: int) -> ForcedResponse:
+    def stopped(case: Case, model: ReducedModel, progress: Progress, threads: int, **options: Any) -> ForcedResponse:
         if case.excitation.mode == "same":
             raise ConvergenceError("No first point at 440 Hz.")
         if case.excitation.mode == "opposite":
             raise ZeroDivisionError("division by zero")
-        return replace(solve(case, model, progress, threads), converged=False, message="The step became too small.")
+        return replace(
+            solve(case, model, progress, threads, **options), converged=False, message="The step became too small."
+        )
 
     monkeypatch.setattr(work, "solve", stopped)
     vary = {"excitation.mode": "single,same,opposite"}

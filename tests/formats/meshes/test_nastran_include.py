@@ -133,5 +133,5 @@ def test_what_is_wrong_is_reported_with_its_file_and_line(tmp_path, files):
 
 
 def test_entries_that_are_not_read_are_reported_with_their_file(tmp_path):
-    path = write(tmp_path, deck=f"{HEAD}{GRIDS}CONM2,1,1\nINCLUDE a.bdf\n{REST}", a="$\nCELAS2,1,1.\n")
-    printed_sentence("\n".join(read_model(path, "mm").messages), "CONM2 (line 21)", "CELAS2 (line 2 of ")
+    path = write(tmp_path, deck=f"{HEAD}{GRIDS}GRAV,1,,9.81,0.,0.,1.\nINCLUDE a.bdf\n{REST}", a="$\nTEMP,1,1,20.\n")
+    printed_sentence("\n".join(read_model(path, "mm").messages), "GRAV (line 21)", "TEMP (line 2 of ")
