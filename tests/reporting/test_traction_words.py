@@ -11,6 +11,7 @@ from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.figures import amplitude_frequency as figure_of
 from stickslip.reporting.page import page
 from stickslip.reporting.view import View
+from stickslip.results.disk import Disk
 from stickslip.results.measures import SUMMARY_COLUMNS, summary, summary_table
 from stickslip.results.response import ForcedResponse
 from stickslip.results.traction_band import TractionBand
@@ -51,6 +52,14 @@ def test_the_page_gives_the_range_of_the_peak() -> None:
     assert "Of 3 optimisations of the tractions for the highest peak, 2 reached 200.5 µm within 1 %." in words
     assert "Of 1 optimisations of the tractions for the lowest peak, 1 reached 100 µm within 1 %." in words
     assert "end early" not in words
+
+
+def test_the_page_of_a_disk_advises_no_band() -> None:
+    disk = Disk(6, 1, "forward", np.arange(4), np.ones((4, 2)), np.ones((4, 2)))
+    text = page(synthetic_response(columns=4, rows=3, n_points=20), replace(STUDY, disk=disk))
+    words = text[text.index("<h2>Residual tractions</h2>") :].partition("</section>")[0]
+    assert "is not computed for a sector of a disk" in words
+    assert "--traction-band" not in words
 
 
 def test_a_curve_that_ends_early_is_no_lowest_peak() -> None:

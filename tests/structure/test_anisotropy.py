@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,6 +93,14 @@ def test_average_of_a_cubic_crystal() -> None:
     bulk, shear = (c11 + 2.0 * c12) / 3.0, 0.5 * (voigt + reuss)
     assert crystal.young_modulus == pytest.approx(9.0 * bulk * shear / (3.0 * bulk + shear))
     assert crystal.poisson_ratio == pytest.approx((3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear))
+
+
+def test_a_modulus_beside_an_elastic_matrix_is_rejected() -> None:
+    """It would have no effect on the structure."""
+    crystal = anisotropic_material(cubic(), 8000.0)
+    with rejects(InputError, "young_modulus", "elastic"):
+        replace(crystal, young_modulus=0.8 * crystal.young_modulus)
+    assert replace(crystal, density=7000.0).elastic == crystal.elastic
 
 
 @pytest.mark.parametrize("element", ["incompatible", "trilinear", "serendipity"])

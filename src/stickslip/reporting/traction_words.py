@@ -27,6 +27,7 @@ _LIMITS = (
     "rest and with the same normal loads. Tractions that vibration leaves in stuck pairs on the way from one frequency "
     "to another are not among them, and peaks outside of the computed part are not either."
 )
+_NOT_OF_A_SECTOR = "How far peak and jumps can move with them is not computed for a sector of a disk."
 # chosen: local extremes within this fraction of the farthest one agree with it.
 SAME = 0.01
 
@@ -56,7 +57,7 @@ def _sentences(view: View) -> Iterator[str]:
     band = view.response.traction_band
     yield _WHY
     if band is None:
-        yield _NOT_ASKED
+        yield _NOT_ASKED if view.study.disk is None else _NOT_OF_A_SECTOR
         return
     yield from _ranges(view, band)
     yield from _starts(band)

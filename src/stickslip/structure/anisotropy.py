@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
-from stickslip.structure.material import Material
+from stickslip.structure.material import Material, isotropic_averages
 
 # Axes of each strain of the order above.
 _AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
@@ -70,10 +70,8 @@ def rotated_matrix(elastic: ArrayLike, axes: ArrayLike) -> FloatArray:
 def anisotropic_material(elastic: ArrayLike, density: float) -> Material:
     """Material with the elastic matrix (6, 6) Pa in x, y, z, and its density in kg/m3.
 
-    ``young_modulus`` and ``poisson_ratio`` are the averages of Voigt and Reuss over all directions (Hill): half the
-    sum of the isotropic moduli of the averaged stiffness and of the averaged compliance. The contact stiffness of rough
-    faces uses them. Source: R. Hill, The elastic behaviour of a crystalline aggregate, Proc. Phys. Soc. A 65 (1952)
-    349-354.
+    ``young_modulus`` and ``poisson_ratio`` are its averages over all directions (:func:`isotropic_averages`), which the
+    contact stiffness of rough faces uses.
 
     Raises InputError for a matrix that is not finite, not symmetric, or whose elastic energy is not positive.
     """
@@ -89,13 +87,4 @@ def anisotropic_material(elastic: ArrayLike, density: float) -> Material:
             "must be above 0: check the order of the constants.",
             arguments=["elastic"],
         )
-    compliance = np.linalg.inv(matrix)
-    bulk = 0.5 * (matrix[:3, :3].sum() / 9.0 + 1.0 / compliance[:3, :3].sum())
-    voigt = (3.0 * np.trace(matrix[:3, :3]) - matrix[:3, :3].sum()) / 30.0 + np.trace(matrix[3:, 3:]) / 5.0
-    reuss = 15.0 / (
-        2.0 * (3.0 * np.trace(compliance[:3, :3]) - compliance[:3, :3].sum()) + 3.0 * np.trace(compliance[3:, 3:])
-    )
-    shear = 0.5 * (voigt + reuss)
-    young = 9.0 * bulk * shear / (3.0 * bulk + shear)
-    ratio = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear))
-    return Material(float(young), float(ratio), density, elastic=tuple(map(tuple, matrix.tolist())))
+    return Material(*isotropic_averages(matrix), density, elastic=tuple(map(tuple, matrix.tolist())))

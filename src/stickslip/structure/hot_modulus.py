@@ -12,7 +12,7 @@ def modulus_at(temperature_c: float, table: ArrayLike) -> float:
     """Young's modulus in Pa at a temperature in degrees Celsius, straight between the rows of a ``table``.
 
     ``table`` (n, 2) has a row (degrees Celsius, Pa) for each measurement, in rising order of temperature. The modulus
-    of each body is one number: ``dataclasses.replace(material, young_modulus=modulus_at(550.0, table))``.
+    of each isotropic body is one number: ``dataclasses.replace(material, young_modulus=modulus_at(550.0, table))``.
 
     Raises InputError for a table of another shape or order, moduli that are not above 0, and a temperature outside of
     it, because the modulus of a metal falls faster and faster there.

@@ -9,6 +9,9 @@ import numpy as np
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, positive_number, real_number, require_allowed
 
+# Relative difference of averages that are the same: round-off of an inverse.
+SAME_AVERAGE = 1e-9
+
 
 def require_strengths(fatigue_limit: float | None, tensile_strength: float | None) -> None:
     """Raise InputError for a fatigue limit above the tensile strength; either may be absent."""
@@ -21,6 +24,24 @@ def require_strengths(fatigue_limit: float | None, tensile_strength: float | Non
         )
 
 
+def isotropic_averages(elastic: FloatArray) -> tuple[float, float]:
+    """Young's modulus in Pa and Poisson's ratio of an elastic matrix (6, 6) Pa over all directions.
+
+    Averages of Voigt and Reuss (Hill): half the sum of the isotropic moduli of the averaged stiffness and of the
+    averaged compliance. Source: R. Hill, The elastic behaviour of a crystalline aggregate, Proc. Phys. Soc. A 65 (1952)
+    349-354.
+    """
+    compliance = np.linalg.inv(elastic)
+    bulk = 0.5 * (elastic[:3, :3].sum() / 9.0 + 1.0 / compliance[:3, :3].sum())
+    voigt = (3.0 * np.trace(elastic[:3, :3]) - elastic[:3, :3].sum()) / 30.0 + np.trace(elastic[3:, 3:]) / 5.0
+    reuss = 15.0 / (
+        2.0 * (3.0 * np.trace(compliance[:3, :3]) - compliance[:3, :3].sum()) + 3.0 * np.trace(compliance[3:, 3:])
+    )
+    shear = 0.5 * (voigt + reuss)
+    young = 9.0 * bulk * shear / (3.0 * bulk + shear)
+    return float(young), float((3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear)))
+
+
 @dataclass(frozen=True)
 class Material:
     """Linear elastic material: Young's modulus in Pa, Poisson's ratio, density in kg/m3.
@@ -31,8 +52,8 @@ class Material:
     anisotropic material in x, y, z; modulus and ratio are its averages then, which the contact stiffness uses
     (:func:`stickslip.structure.anisotropy.anisotropic_material`).
 
-    Raises InputError unless modulus, density and strengths are above 0, the ratio lies in (-1, 0.5), and the fatigue
-    limit is not above the strength.
+    Raises InputError unless modulus, density and strengths are above 0, the ratio lies in (-1, 0.5), the fatigue limit
+    is not above the strength, and modulus and ratio are the averages of ``elastic``.
     """
 
     young_modulus: float = 197.0e9
@@ -51,6 +72,15 @@ class Material:
         require_strengths(self.fatigue_limit, self.tensile_strength)
         ratio = real_number("poisson_ratio", self.poisson_ratio)
         require_allowed("poisson_ratio", ratio, -1.0 < ratio < 0.5, "between -1 and 0.5 (metals: about 0.3)")
+        if self.elastic is not None and not np.allclose(
+            (self.young_modulus, ratio), isotropic_averages(np.array(self.elastic)), rtol=SAME_AVERAGE, atol=0.0
+        ):
+            raise InputError(
+                f"young_modulus {1e-9 * self.young_modulus:g} GPa and poisson_ratio {ratio:g} are not the averages of "
+                "the elastic matrix of this anisotropic material, so one of them would have no effect. Change the "
+                "matrix, with anisotropic_material.",
+                ("young_modulus", "elastic"),
+            )
 
     def elastic_matrix(self) -> FloatArray:
         """(6, 6) Pa, from strain xx, yy, zz, xy, yz, zx (engineering shear) to stress."""
