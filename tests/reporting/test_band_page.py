@@ -53,6 +53,10 @@ def test_the_band_of_curves_is_that_of_the_samples() -> None:
     assert max(value for value in lines if value is not None) == pytest.approx(1e6 * max(PEAKS), rel=1e-5)
 
 
+def test_the_page_says_which_checks_its_samples_lack() -> None:
+    assert "samples have no search for" in page_of(band_statistics(PEAKS))
+
+
 def test_the_distribution_shows_what_exceeds_the_limit() -> None:
     statistics = band_statistics(PEAKS, ["peak_amplitude < 0.25 mm"])
     figure = figures_of(statistics)["distribution-peak_amplitude"]

@@ -46,6 +46,10 @@ def test_curves_of_optimum_and_study_for_each_load_case() -> None:
     assert max(named(figure, words[-1])["y"]) == pytest.approx(170.0)
 
 
+def test_the_page_says_which_checks_its_curves_lack() -> None:
+    assert "no search for peaks that they missed" in page_of(design_result())
+
+
 def test_the_path_falls_to_the_optimum_and_omits_what_is_not_allowed() -> None:
     figure = figures_of(design_result())["path"]
     line = named(figure, "best so far")
