@@ -2,7 +2,7 @@
 
     python benchmarks/ridge_check.py              # all rows, about an hour on one core
     python benchmarks/ridge_check.py blade        # rows whose name begins so
-    python benchmarks/ridge_check.py performance  # process time of the performance curve over that of its study
+    python benchmarks/ridge_check.py performance  # performance curves: process time over that of the study, and errors
 
 Each row compares the highest peak of the ridge with that of whole frequency curves, with steps of at most FINE of the
 range, at VALUES values over the range, most of them between the points of the ridge. The points of the ridge, those of
@@ -46,17 +46,22 @@ def case_row(key: str, limits: tuple[float, float], changes: dict[str, object]) 
 
     def curve(value: float, step: float | None) -> tuple[float, int]:
         changed = case.replace({key: value if key != "roughness.fractal_roughness" else f"{value!r} m"})
-        model, solver = ss.build_model(changed), changed.solver
-        response = ss.forced_response(
-            model.superelement, model.pairs, model.excitation, harmonics=solver.harmonics, samples=solver.samples,
-            frequency_hz=(solver.frequency_start, solver.frequency_stop), threads=1,
-            modal_damping_ratio=changed.damping.modal_damping_ratio, continuation=settings(step),
-        )  # fmt: skip
-        return highest(response, next(iter(model.outputs.values())))
+        return case_curve(changed, step, changed.solver.harmonics)
 
     unit = " m" if key == "roughness.fractal_roughness" else ""
     texts = tuple(f"{limit!r}{unit}" if unit else limit for limit in limits)
     return Row(key, limits, lambda: ss.ridge(case, key, texts, threads=1), curve)
+
+
+def case_curve(case: ss.Case, step: float | None, harmonics: int | None) -> tuple[float, int]:
+    """Peak amplitude and number of points of the whole curve of a case."""
+    model, solver = ss.build_model(case), case.solver
+    response = ss.forced_response(
+        model.superelement, model.pairs, model.excitation, harmonics=harmonics, samples=solver.samples,
+        frequency_hz=(solver.frequency_start, solver.frequency_stop), threads=1,
+        modal_damping_ratio=case.damping.modal_damping_ratio, continuation=settings(step),
+    )  # fmt: skip
+    return highest(response, next(iter(model.outputs.values())))
 
 
 def blade_row(name: str, limits: tuple[float, float]) -> Row:
@@ -109,9 +114,9 @@ ROWS = (
 )
 
 
-def performance() -> None:
-    """Print the process time of the performance curve of the default study over that of its frequency curve."""
-    case = rough_casting()
+def performance(name: str, case: ss.Case, ratios: tuple[float, ...]) -> None:
+    """Print the process time of the performance curve of a study over that of its frequency curve, and its errors at
+    some ratios of the forces against whole curves with fine steps."""
     seconds = []
     for with_curve in (False, False, True):  # the first compiles
         chosen = case.replace({"analysis.performance_curve": with_curve})
@@ -124,14 +129,24 @@ def performance() -> None:
             response = with_performance_curve(chosen, model, response, SilentProgress(), 1)
             seconds = [curve_seconds, time.process_time() - began]
     curve = response.performance_curve
-    print(f"{curve!r}: {curve.message}", *curve.words(), sep="\n")
+    print(f"{name}: {curve!r}: {curve.message}", *curve.words(), sep="\n")
     print(f"{seconds[1]:.1f} s over {seconds[0]:.1f} s of the frequency curve: {seconds[1] / seconds[0]:.2f}")
+    points = sum(int(curve.settings[key]) for key in ("points_of_searches", "points_of_whole_curves"))
+    print(f"{points} points; {DENSE} curves have {DENSE * response.n_points}", flush=True)
+    for ratio in ratios:
+        force = ratio * case.excitation.amplitude
+        changed = case.replace({"preload.centrifugal_force": f"{force!r} N"})
+        fine = case_curve(changed, FINE, int(curve.settings["harmonics"]))[0]
+        error = float(curve.at(ratio).amplitude[0]) / fine - 1.0
+        print(f"    {force:.4g} N: {1e6 * fine:.4f} um, {100 * error:+.3f} %", flush=True)
 
 
 def main(names: list[str]) -> None:
     """Print the table."""
     if names == ["performance"]:
-        performance()
+        performance("rough casting", rough_casting(), (0.25, 0.5, 1.0, 3.1, 10.0))
+        default = ss.Case().replace({"solver.harmonics": None, "solver.accuracy": "2 %"})
+        performance("default study", default, (0.105, 0.14, 0.24, 0.36, 1.0, 5.7, 10.4))
         return
     print("| key | range | errors of the ridge | switches | points of ridge / dense | process time of ridge / dense |")
     print("|---|---|---|---|---|---|")

@@ -12,7 +12,7 @@ from blade_problem import load_blade_problem
 from rough_casting import rough_casting
 
 import stickslip as ss
-from stickslip.solve import curve_result
+from stickslip.solve.setting_up import Balances
 
 
 class Stopwatch:
@@ -59,8 +59,8 @@ def two_blades() -> dict[str, Any]:
 
 def main() -> None:
     """Print one row for each curve."""
-    stability = Stopwatch(curve_result.curve_stability)
-    curve_result.curve_stability = stability  # type: ignore[assignment]
+    stability = Stopwatch(Balances.stability)
+    Balances.stability = lambda *arguments: stability(*arguments)  # type: ignore[method-assign]
     print("| case | harmonics | points | curve without, s | multipliers, s | ratio |\n|---|---|---|---|---|---|")
     cases = {f"blade, {count} contacts": blade(count) for count in (10, 40, 110)} | {"two blades": two_blades()}
     for name, arguments in cases.items():

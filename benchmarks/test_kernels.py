@@ -14,7 +14,9 @@ from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tan
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import stuck_structure
-from stickslip.solve.path.newton import Constraint, Newton, NewtonSettings
+from stickslip.solve.harmonic.curves import FrequencyCurve
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Plane
 from stickslip.structure.superelement import Superelement
 
 HARMONICS, SAMPLES = 3, 128
@@ -54,8 +56,10 @@ def test_friction_force(benchmark: Benchmark, trial: tuple[Balance, Trial]) -> N
 
 def test_friction_tangent(benchmark: Benchmark, trial: tuple[Balance, Trial]) -> None:
     balance, point = trial
-    motion, moving = coefficients(balance, point), np.flatnonzero(point.contact.deviates)
-    benchmark(harmonic_tangent, motion, balance.pairs, SAMPLES, moving, "tractrix", point.contact)
+    motion = coefficients(balance, point)
+    force = harmonic_force(motion, balance.pairs, SAMPLES)
+    moving = np.flatnonzero(force.deviates)
+    benchmark(harmonic_tangent, motion, balance.pairs, SAMPLES, moving, "tractrix", force.period_start)
 
 
 def test_residual(benchmark: Benchmark, trial: tuple[Balance, Trial]) -> None:
@@ -63,12 +67,9 @@ def test_residual(benchmark: Benchmark, trial: tuple[Balance, Trial]) -> None:
     benchmark(balance.evaluate, point.relative, point.omega)
 
 
-def test_newton_step(benchmark: Benchmark, trial: tuple[Balance, Trial]) -> None:
+def test_correction(benchmark: Benchmark, trial: tuple[Balance, Trial]) -> None:
     balance, point = trial
-    newton = Newton(balance, NewtonSettings())
-    constraint = Constraint.fixed(point.relative, point.omega)
-
-    def step() -> float:
-        return newton.border(point, constraint).solve(point.residual, 0.0, 1e-3).omega
-
-    assert benchmark(step) == pytest.approx(0.0, abs=1e-6)
+    curve = FrequencyCurve(balance)
+    start = curve.at(point.relative, point.omega)
+    newton, plane = Newton(curve, NewtonSettings()), Plane.fixed(point.relative, point.omega)
+    assert benchmark(newton.correct, start, plane).converged

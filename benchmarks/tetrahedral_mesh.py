@@ -21,7 +21,8 @@ from both_factors import with_each_factor
 from stickslip.case.case import Case
 from stickslip.model.kinds.two_blade_geometry import BladePairElements
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
-from stickslip.model.model import ReducedStructure, connect, load_joint, node_group_rows, set_up
+from stickslip.model.model import connect, load_joint, set_up
+from stickslip.model.study_structure import ReducedStructure
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend
 from stickslip.structure.mesh import Mesh
@@ -140,7 +141,7 @@ def measure(backend: Backend, threads: int = 2) -> dict[str, float | str]:
         lambda: craig_bampton(structure, layout.boundary_nodes, case.reduction.modes, backend, threads),
     )
     row["reduced unknowns"] = superelement.size
-    reduced = ReducedStructure(superelement, node_group_rows(superelement, layout), np.zeros(superelement.size))
+    reduced = ReducedStructure.of_superelement(superelement, layout)
     joint = load_joint(case, layout)
     model = timed("static preload", lambda: connect(case, reduced, joint))
     assert model.preload is not None

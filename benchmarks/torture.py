@@ -10,7 +10,9 @@ solve it again. All seconds are processor time. Work is counted in iterations of
 integrations included (``response.provenance["solve_work"]``), the same on each machine.
 
 A curve that is not complete is "unsettled" if a time integration at the place where it was lost does not settle on a
-motion with the period of the force, and else "early": there a motion exists that the curve does not have.
+motion with the period of the force. It is "few harmonics" if the motion settles and the message has a larger number of
+harmonics that gives this motion: the equations with the harmonics of the curve do not. Else it is "early": there a
+motion exists that the curve does not have, for no known reason.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ import argparse
 import json
 import multiprocessing
 import os
+import re
 import sys
 import time
 from collections.abc import Sequence
@@ -34,9 +37,13 @@ from torture_problems import KINDS, SEEDS, ResidualTraction, make
 import stickslip as ss
 
 # Beside these a row may be "crashed": its process died without an answer, and stderr has the traceback.
-VERDICTS = ("complete", "unsettled", "early", "timed out", "crashed")
-# Words of a time integration that found no motion with the period of the force (solve/evidence.py).
+VERDICTS = ("complete", "unsettled", "few harmonics", "early", "timed out", "crashed")
+# Words of any time integration (solve/evidence.py).
+INTEGRATED = "A time integration"
+# Words of a time integration that found no motion with the period of the force.
 UNSETTLED = ("has not settled", "repeats only after")
+# Words of a settled motion that more harmonics give.
+FEW_HARMONICS = re.compile(r"\d+ harmonics with \d+ samples give it")
 MESSAGE_WIDTH = 150
 # Wall time over the time limit at which a process that reports no progress is killed; the machine may have other work.
 PATIENCE = 10.0
@@ -95,7 +102,7 @@ def curve_row(task: Task) -> Row:
         return {"verdict": verdict, "points": 0, "seconds": seconds, "message": message}
     curve = curve_of(problem, response)
     return {
-        "verdict": "complete" if response.converged else ended(" ".join((response.message, *response.warnings))),
+        "verdict": "complete" if response.converged else ended(response.message, response.warnings),
         "points": response.n_points,
         "work": int(response.provenance["solve_work"].split()[0]),
         "seconds": seconds,
@@ -109,9 +116,12 @@ def curve_row(task: Task) -> Row:
     }
 
 
-def ended(message: str) -> str:
-    """The verdict on a curve that is not complete."""
-    return "unsettled" if any(words in message for words in UNSETTLED) else "early"
+def ended(message: str, warnings: Sequence[str] = ()) -> str:
+    """The verdict on a curve that is not complete: that of its message, or of its warnings if they name its gaps."""
+    words = message if INTEGRATED in message else " ".join(warnings)
+    if any(each in words for each in UNSETTLED):
+        return "unsettled"
+    return "few harmonics" if FEW_HARMONICS.search(words) else "early"
 
 
 def peaks_row(task: Task) -> Row:

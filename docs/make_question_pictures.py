@@ -8,7 +8,7 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from stickslip.results.storage import load_results
+import stickslip as ss
 
 IMAGES = Path(__file__).parent / "images"
 MOST_HEIGHT = 640  # px; tables below a plot are not in the picture
@@ -23,7 +23,7 @@ SECTIONS = {
 
 def main(folder: str, program: str | None = None) -> None:
     """Write the pictures. ``program`` is a browser; the default is the browser of playwright."""
-    curve = load_results(Path(folder) / "performance" / "results.nc").response.performance_curve
+    curve = ss.ForcedResponse.load(Path(folder) / "performance" / "results.nc").performance_curve
     assert curve is not None
     curve.plot().savefig(IMAGES / "question_performance.png", dpi=120)
     with sync_playwright() as playwright:

@@ -14,9 +14,16 @@ from stickslip.formats.matrices.exchange import write_superelement
 from stickslip.model.model import build_model, load_joint, set_up
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "own_mesh"
-# Numbers of the tests are those of rough castings.
+# Numbers of the tests are those of rough castings, and of the beam pushed towards the block.
 QUICK = {
     **{key: value for key, value in ROUGH_CASTING.items() if key.startswith(("roughness.", "analysis."))},
+    "forces.push.direction": (0.0, 0.0, 1.0),
+    "forces.push.amplitude": 0.2,
+    "responses.tip.direction": (0.0, 0.0, 1.0),
+    "responses.block.direction": (1.0, 0.0, 0.0),
+    "solver.frequency_start": 1600.0,
+    "solver.frequency_stop": 2000.0,
+    "solver.accuracy": None,
     "solver.harmonics": 1,
     "solver.samples": 64,
     "output.figure_formats": [],

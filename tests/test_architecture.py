@@ -174,7 +174,7 @@ def test_contact_knows_no_elements() -> None:
 
 @pytest.mark.slow
 def test_solve_never_sees_a_mesh() -> None:
-    dense = ("superelement", "rotating_superelement", "gyroscopic", "cyclic_sector")
+    dense = ("superelement", "substructure", "rotating_superelement", "gyroscopic", "cyclic_sector", "blade_alone")
     allowed = ("core", "solve", "contact", "results", *(f"structure.{name}" for name in dense))
     for module in modules():
         if room(module) == "solve":
@@ -314,3 +314,24 @@ def test_a_word_that_returns_is_found(text: str) -> None:
 )
 def test_a_citation_with_its_year_may_stay(text: str) -> None:
     assert foreign_words(text) == []
+
+
+SUBSTRUCTURES = {"Structure", "RotatingBodies", "SectorStructure", "Superelement", "CyclicSector"}
+
+
+def asked_classes(text: str) -> set[str]:
+    """Names of the classes in all ``isinstance`` of a module."""
+    calls = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call))
+    asked = (call.args[1] for call in calls if isinstance(call.func, ast.Name) and call.func.id == "isinstance")
+    return {node.id for each in asked for node in ast.walk(each) if isinstance(node, ast.Name)}
+
+
+def test_studies_never_ask_which_structure_it_is() -> None:
+    """A structure answers itself (structure/substructure.py, model/study_structure.py); the kinds of study make it."""
+    assert asked_classes("isinstance(a, Superelement | Mesh) or isinstance(b, (int, str))") == {
+        "Superelement", "Mesh", "int", "str",
+    }  # fmt: skip
+    chosen = [m for m in modules() if room(m) in ("model", "study", "sweeps") and not m.startswith("model.kinds.")]
+    assert len(chosen) > 20
+    for module in chosen:
+        assert asked_classes(modules()[module].read_text(encoding="utf-8")) & SUBSTRUCTURES == set(), module

@@ -74,9 +74,26 @@ def test_verdicts_on_stability_agree_with_time_integration(monkeypatch: pytest.M
     for name, first in (("separating pair, more force", 2), ("blade", 1)):
         problem = stability_check.PROBLEMS[name](name)
         points = stability_check.chosen_points(stability_check.solve(problem))[first : first + 2]
-        checked = stability_check.check(problem, points)
+        checked = list(stability_check.check(problem, points))
         assert [each.stable for each in checked] == [True, False]
         assert [each for each in checked if each.contradicts] == []
+
+
+def test_a_motion_that_leaves_slowly_is_not_taken_for_one_that_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Entry 0 of the changes compares with rest and is 1: a growth over it would never be seen."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import stability_check
+
+    leaving = np.append(1.0, 1e-4 * 1.05 ** np.arange(80))
+    settling = np.append(1.0, leaving[:0:-1])
+    assert stability_check.has_grown(leaving)
+    assert stability_check.has_grown(np.append(leaving, settling[1:]))  # on another motion at the end
+    assert stability_check.has_grown(np.append(settling, leaving[1:60]))  # an error of the start that decays before
+    quick = np.append(1.0, np.append(1e-4 * 2.0 ** np.arange(8), 1e-2 * 0.5 ** np.arange(72)))
+    assert stability_check.has_grown(quick)  # within a tenth of the time
+    assert not stability_check.has_grown(settling)
+    assert not stability_check.has_grown(np.append(leaving[:40], settling[40:]))  # 5 times as large for a while
+    assert not stability_check.has_grown(np.array([1.0, 1e-8, 1e-9, 5e-8]))
 
 
 def test_bolts_press_with_their_force_and_asperities_share_it(monkeypatch: pytest.MonkeyPatch) -> None:

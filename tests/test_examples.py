@@ -22,12 +22,20 @@ from sweep_cases import quick_file
 ROOT = Path(__file__).parents[1]
 # Commands of guides run with few points each; other tests read numbers of sweeps.
 BELOW_THE_PEAK = {"frequency_stop": "446 Hz", "samples": 64}
-READ_BY_USERS = [*sorted(ROOT.glob("examples/*.py")), *sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
+READ_BY_USERS = [
+    *sorted(ROOT.glob("examples/*.py")),
+    *sorted(ROOT.glob("docs/*.py")),
+    *sorted(ROOT.glob("docs/*.md")),
+    ROOT / "README.md",
+]
+ROOMS = sorted(path.name for path in (ROOT / "src" / "stickslip").iterdir() if path.is_dir())
 
 
 @pytest.mark.parametrize("path", READ_BY_USERS, ids=lambda path: path.name)
 def test_users_import_the_public_package_and_nothing_deeper(path: Path) -> None:
-    assert not re.findall(r"^ *(?:from|import) stickslip\..*", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    text = path.read_text(encoding="utf-8")
+    assert not re.findall(r"^ *(?:from|import) stickslip\..*", text, flags=re.MULTILINE)
+    assert not re.findall(rf"\bstickslip\.(?:{'|'.join(ROOMS)})\b.*", text)
 
 
 @pytest.mark.slow

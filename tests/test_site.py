@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib.util
 import logging
 import re
@@ -14,6 +15,9 @@ import pytest
 
 import stickslip
 from helpers import absent_tool
+from sketches import stacked_boxes
+from stickslip.reporting.page import page as report_page
+from synthetic import synthetic_response, synthetic_study
 
 ROOT = Path(__file__).parents[1]
 # Attributes with an address that a browser loads by itself. (Links that a reader follows are in <a>.)
@@ -97,6 +101,13 @@ def test_a_page_of_the_gallery(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         assert part in text
 
 
+def test_the_gallery_has_the_still_picture_of_a_report() -> None:
+    report = report_page(synthetic_response(), dataclasses.replace(synthetic_study(), sketch=stacked_boxes()))
+    (still,) = hook("gallery").stills(report.encode())
+    assert still.startswith(b"\x89PNG")
+    assert hook("gallery").stills(report_page(synthetic_response(), synthetic_study()).encode()) == []  # no structure
+
+
 def test_an_example_without_a_picture_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     gallery = hook("gallery")
     (tmp_path / "silent.py").write_text("x = 1\n")
@@ -107,10 +118,13 @@ def test_an_example_without_a_picture_is_an_error(tmp_path: Path, monkeypatch: p
 
 def test_every_example_that_draws_has_a_page() -> None:
     pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs" / "gallery").glob("*.md"))
-    # The cluster example submits jobs; docs/sweeps.md shows it.
+    # The cluster example submits jobs; docs/sweeps.md shows it. A script that makes meshes draws nothing.
     actual = [path for ending in ("py", "toml") for path in (ROOT / "examples").rglob(f"*.{ending}")]
     examples = {path.relative_to(ROOT).as_posix() for path in actual}
-    assert set(re.findall(r"<!-- example: (\S+) -->", pages)) == examples - {"examples/cluster_sweep.py"}
+    assert set(re.findall(r"<!-- example: (\S+) -->", pages)) == examples - {
+        "examples/cluster_sweep.py",
+        "examples/joints/make_meshes.py",
+    }
 
 
 def test_links_to_top_level_files_become_links_to_pages() -> None:

@@ -186,7 +186,7 @@ def test_the_table_resumes_from_its_folder(tmp_path: Path) -> None:
     command = [sys.executable, str(BENCHMARKS / "torture.py"), str(tmp_path), "--classes", "sdof", "--seeds", "4:6"]
     first = subprocess.run(command, capture_output=True, text=True, check=True)
     assert first.stderr.count("sdof") == 2
-    assert "| sdof | 2 | 2 | 0 | 0 | 0 | 0 | 0 / 0 |" in first.stdout
+    assert "| sdof | 2 | 2 | 0 | 0 | 0 | 0 | 0 | 0 / 0 |" in first.stdout
     row = json.loads((tmp_path / "sdof-004.json").read_text(encoding="utf-8"))
     assert row["verdict"] == "complete"
     again = subprocess.run(command, capture_output=True, text=True, check=True)
@@ -201,7 +201,7 @@ def test_the_table_resumes_from_its_folder(tmp_path: Path) -> None:
 def test_the_time_limit_ends_a_problem_and_says_where(tmp_path: Path) -> None:
     command = [sys.executable, str(BENCHMARKS / "torture.py"), str(tmp_path), "--classes", "narrow", "--seeds", "2:3"]
     run = subprocess.run([*command, "--time-limit", "0.05"], capture_output=True, text=True, check=True)
-    assert "| narrow | 1 | 0 | 0 | 0 | 1 | 0 |" in run.stdout
+    assert "| narrow | 1 | 0 | 0 | 0 | 0 | 1 | 0 |" in run.stdout
     assert "narrow 2: timed out, 0 points. the time limit was reached at" in run.stdout
 
 

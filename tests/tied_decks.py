@@ -13,8 +13,7 @@ import numpy as np
 from helpers import absent_tool
 from model_writers import rows
 from stickslip.formats.meshes.read import read_model
-from stickslip.structure.constraints import eliminate
-from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies
+from stickslip.structure.elasticity import Material, natural_frequencies
 from stickslip.structure.mesh import Mesh
 
 STEEL = Material(210e9, 0.3, 7850.0)
@@ -80,10 +79,7 @@ def write_deck(path: Path, mesh: Mesh, cards: str, clamped: str = "bottom", more
 def frequencies_of(path: Path, count: int = 10) -> np.ndarray:
     """Hz, of stickslip, free of contact."""
     model = read_model(path, "m")
-    constraints = None if model.equations is None else eliminate(model.equations, model.fixed_unknowns)
-    structure = assemble_bodies(
-        model.mesh, [STEEL] * len(model.mesh.body_names), fixed_unknowns=model.fixed_unknowns, constraints=constraints
-    )
+    structure = model.assemble(dict.fromkeys(model.mesh.body_names, STEEL))
     return natural_frequencies(structure.stiffness, structure.mass, count)[0]
 
 

@@ -7,6 +7,7 @@ report.
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import io
 import os
@@ -22,6 +23,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[2]
+STILL = re.compile(rb'<img class="still"[^>]*base64,([^"]+)"')
 MARK = re.compile(r"<!-- example: (\S+) -->")
 
 
@@ -60,6 +62,11 @@ def run_script(path: Path) -> Shown:
     return Shown(files, printed.getvalue())
 
 
+def stills(report: bytes) -> list[bytes]:
+    """The static image of the structure on a report, as PNG; none for matrices without a shape."""
+    return [base64.b64decode(image) for image in STILL.findall(report)]
+
+
 def run_study(path: Path) -> Shown:
     """Run a study file. Its figures are the pictures; its report is a separate page."""
     import stickslip as ss
@@ -70,8 +77,10 @@ def run_study(path: Path) -> Shown:
         if not outcome.converged:
             raise RuntimeError(f"{path} did not converge: {outcome.message}")
         pictures = sorted(file for file in outcome.files if file.suffix == ".png")
-        files = {f"{name}_{picture.name}": picture.read_bytes() for picture in pictures}
-        files[f"{name}_report.html"] = (Path(folder) / "report.html").read_bytes()
+        report = (Path(folder) / "report.html").read_bytes()
+        files = {f"{name}_structure.png": still for still in stills(report)}
+        files |= {f"{name}_{picture.name}": picture.read_bytes() for picture in pictures}
+        files[f"{name}_report.html"] = report
     return Shown(files, outcome.message)
 
 

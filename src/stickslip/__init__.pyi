@@ -47,11 +47,14 @@ from .core.errors import ResultsFileError as ResultsFileError
 from .core.errors import RoughnessError as RoughnessError
 from .core.errors import StudyFileError as StudyFileError
 from .formats.calculix_deck import write_calculix_deck as write_calculix_deck
+from .formats.frd import FrdStep as FrdStep
+from .formats.frd import write_frd as write_frd
 from .formats.matrices.exchange import read_superelement as read_superelement
 from .formats.matrices.exchange import write_superelement as write_superelement
 from .formats.matrices.model import MatrixModel as MatrixModel
 from .formats.matrices.read import read_matrices as read_matrices
 from .formats.matrices.reduce import reduce_matrices as reduce_matrices
+from .formats.meshes.imported_model import ImportedModel as ImportedModel
 from .formats.meshes.raw_model import RawBlock as RawBlock
 from .formats.meshes.raw_model import RawModel as RawModel
 from .formats.meshes.raw_model import RawSides as RawSides
@@ -64,6 +67,8 @@ from .results.campbell import Campbell as Campbell
 from .results.campbell import Crossing as Crossing
 from .results.nonlinear_mode import NonlinearMode as NonlinearMode
 from .results.other_solutions import OtherSolutions as OtherSolutions
+from .results.pair_measures import PairMeasures as PairMeasures
+from .results.pair_measures import pair_measures as pair_measures
 from .results.peak_gradients import PeakGradients as PeakGradients
 from .results.peak_ridge import PeakRidge as PeakRidge
 from .results.quasi_static_mode import QuasiStaticMode as QuasiStaticMode
@@ -73,6 +78,10 @@ from .results.traction_band import TractionBand as TractionBand
 from .results.wear import Wear as Wear
 from .solve.campbell import campbell_diagram as campbell_diagram
 from .solve.controlled import controlled_response as controlled_response
+from .solve.cyclic.amplification import Amplification as Amplification
+from .solve.cyclic.amplification import amplification_factors as amplification_factors
+from .solve.cyclic.full_ring import FullRing as FullRing
+from .solve.cyclic.full_ring import full_ring as full_ring
 from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response
 from .solve.nonlinear_mode import nonlinear_mode as nonlinear_mode
@@ -94,6 +103,8 @@ from .solve.static.state import StaticState as StaticState
 from .solve.transient.integrate import integrate_to_steady_state as integrate_to_steady_state
 from .solve.transient.integrate import start_from_response as start_from_response
 from .solve.wear import wear as wear
+from .structure.blade_alone import BladeAlone as BladeAlone
+from .structure.blade_modes import blade_alone as blade_alone
 from .structure.craig_bampton import craig_bampton as craig_bampton
 from .structure.cyclic_sector import CyclicSector as CyclicSector
 from .structure.cyclic_sector import nodal_diameters as nodal_diameters
@@ -101,6 +112,7 @@ from .structure.cyclic_symmetry import CyclicSymmetry as CyclicSymmetry
 from .structure.elasticity import Material as Material
 from .structure.elasticity import Structure as Structure
 from .structure.elasticity import assemble as assemble
+from .structure.elasticity import assemble_bodies as assemble_bodies
 from .structure.hot_modulus import modulus_at as modulus_at
 from .structure.mesh import Mesh as Mesh
 from .structure.rotating import RotatingStructure as RotatingStructure
@@ -111,12 +123,15 @@ from .structure.sector_boundaries import cyclic_symmetry as cyclic_symmetry
 from .structure.sector_boundaries import with_next_sector as with_next_sector
 from .structure.sector_reduction import cyclic_sector as cyclic_sector
 from .structure.sector_reduction import sector_frequencies as sector_frequencies
+from .structure.static_loads import gravity_load as gravity_load
+from .structure.static_loads import pressure_load as pressure_load
 from .structure.stress import NodalStress as NodalStress
 from .structure.stress import nodal_stress as nodal_stress
 from .structure.stress_cycle import StressCycle as StressCycle
 from .structure.stress_cycle import stress_cycle as stress_cycle
 from .structure.superelement import Superelement as Superelement
 from .study.compare import compare as compare
+from .study.export import export_contact as export_contact
 from .study.export import export_tables as export_tables
 from .study.ridge import ridge as ridge
 from .study.run import report as report

@@ -97,9 +97,9 @@ WRONG = {
     "no file": (MESH.replace('file = "beam_and_block.inp"', ""), ("structure.file",)),
     "near key": (MESH.replace("normal_load =", "normal_laod =", 1), ("interfaces.sole.normal_laod",)),
     "range": (MESH.replace("friction = 0.2", "friction = -1"), ("interfaces.sole.friction",)),
-    "unit": (MESH.replace('"0.2 N"', '"0.2 mm"'), ("forces.push.amplitude",)),
+    "unit": (MESH.replace('"0.5 N"', '"0.5 mm"'), ("forces.push.amplitude",)),
     "no direction": (
-        MESH.replace("direction = [0, 0, 1]", "", 1),
+        MESH.replace("direction = [0, 1, 0]", "", 1),
         ("forces.push.direction",),
     ),
     "two places": (MESH.replace('spread = "area"', "node = 3"), ("forces.push",)),

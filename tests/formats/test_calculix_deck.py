@@ -14,6 +14,7 @@ from stickslip.formats.calculix_deck import write_calculix_deck
 from stickslip.formats.matrices.read import read_matrices
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.shapes import jacobians, shape_functions, stiffness_rule, strain_matrix
 
 # Largest relative difference of ten frequencies on the coarse blades, printed by CalculiX with seven digits. C3D8I is
@@ -176,3 +177,13 @@ def test_every_kind_of_cell_has_an_element():
     from stickslip.formats.calculix_deck import ELEMENT_TYPES
 
     assert {*ELEMENT_TYPES, "hexahedron"} == set(CELL_KINDS)
+
+
+def test_calculix_reads_the_exponent_of_every_coordinate(tmp_path, make_block):
+    """It truncates numbers after 20 characters; 1.2345678901234567e-05 has 22."""
+    mesh = make_block((1, 1, 1), (1.0, 1.0, 1.0), 0.1)
+    small = Mesh(-1.2345678901234567e-5 * mesh.points[:, [1, 0, 2]], mesh.cells)
+    text = write_calculix_deck(tmp_path / "small.inp", small, Material()).read_text()
+    rows = [line.split(", ")[1:] for line in text.partition("*ELEMENT")[0].splitlines()[1:]]
+    assert max(len(number) for row in rows for number in row) <= 20
+    np.testing.assert_allclose(np.array(rows, dtype=float), small.points, rtol=1e-13)

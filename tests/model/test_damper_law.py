@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.contact.law.exponential import ExponentialContact
-from stickslip.study.facts import study_warnings
-from sweep_cases import quick_case
+from stickslip.model.model import load_joint, set_up
+from stickslip.study.facts import derived_quantities, study_warnings
+from sweep_cases import COARSE_MESH, quick_case
 
 EXPONENTIAL: dict[str, Any] = {"friction.law": "exponential"}
 
@@ -39,12 +40,33 @@ def test_a_study_with_the_law_moves_its_peak_and_balances_its_energy() -> None:
     assert second != pytest.approx(first, rel=1e-3)
 
 
+@pytest.mark.slow
+def test_under_a_solved_preload_the_pairs_follow_the_curve_of_their_face() -> None:
+    """Machined faces: some pairs are open at rest or nearly so, the others have nearly the same length."""
+    case = ss.Case().replace(
+        COARSE_MESH | EXPONENTIAL | {"preload.method": "solved", "preload.normal_law": "pressure-gap"}
+    )
+    model = ss.build_model(case)
+    assert model.preload is not None
+    laws = model.pairs.laws[1:]
+    assert all(isinstance(law, ExponentialContact) for law in laws)
+    state, area = model.preload.state, model.joint.face_pairs.area
+    mean = state.normal_force.sum() / area.sum()  # both faces carry the same
+    nearly_open = np.flatnonzero(state.normal_force / area <= 0.01 * mean)
+    assert model.pairs.members[0].tolist() == nearly_open.tolist()
+    assert 0 < nearly_open.size < model.pairs.n_pairs / 2
+    length = np.concatenate([law.length for law in laws if isinstance(law, ExponentialContact)])
+    assert length.max() < 2.5 * length.min()
+    rows = {name: words for name, _, _, words in derived_quantities(case, model.joint)}
+    assert f"of {laws[0].n_pairs} of 15 pairs" in rows["Contact law, left face"]
+
+
 @pytest.mark.parametrize(
     ("changes", "key"),
     [
         ({"friction.law": "exponentiel"}, "friction.law"),
         ({"friction.law": "iwan"}, "friction.law"),
-        (EXPONENTIAL | {"preload.method": "solved"}, "preload.method"),
+        (EXPONENTIAL | {"preload.method": "solved"}, "preload.normal_law"),
         (
             EXPONENTIAL
             | {"analysis.kind": "wear", "analysis.wear_coefficient": "1e-8 mm^3/(N m)", "analysis.wear_cycles": 1e6},
@@ -55,6 +77,18 @@ def test_a_study_with_the_law_moves_its_peak_and_balances_its_energy() -> None:
 def test_what_does_not_fit_the_law_is_rejected_by_its_key(changes: dict[str, Any], key: str) -> None:
     with rejects(ss.StudyFileError, key):
         quick_case().replace(changes)
+
+
+@pytest.mark.parametrize(("allocation", "warns"), [("area", True), ("pressure", False)])
+def test_a_face_whose_pairs_stiffen_at_different_rates_is_a_warning(allocation: str, warns: bool) -> None:
+    """Loads of 1 and 20 N on pairs with nearly the same stiffness."""
+    loads = ([1.0] * 5 + [20.0] * 10) * 2
+    changes = {"preload.centrifugal_force": None, "preload.values": loads, "roughness.allocation": allocation}
+    case = ss.Case().replace(COARSE_MESH | EXPONENTIAL | changes)
+    found = load_joint(case, set_up(case).layout).stiffness_warnings
+    assert len(found) == (2 if warns else 0)
+    for sentence in found:
+        printed_sentence(sentence, "face", numbers=False)
 
 
 def test_pairs_without_load_are_rejected_by_the_key_of_the_preload() -> None:

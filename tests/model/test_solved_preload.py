@@ -95,6 +95,16 @@ def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("allocation", ["area", "pressure"])
+def test_on_the_curve_tangential_stiffness_follows_the_pressure_of_each_pair(allocation: str) -> None:
+    """By area, K_t/K_n was 0.3 to 2.3 on these faces, and 0.09 to 40 on machined ones."""
+    joint = model(preload__normal_law="pressure-gap", roughness__allocation=allocation).joint
+    assert joint.normal_stiffness.max() > 4.0 * joint.normal_stiffness.min()
+    ratio = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)
+    np.testing.assert_allclose(joint.tangential_stiffness / joint.normal_stiffness, ratio, rtol=2e-3)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("normal_law", ["spring", "pressure-gap"])
 @pytest.mark.parametrize("reference", [20e-6, 2000e-6])
 def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, reference: float) -> None:
@@ -142,7 +152,6 @@ def test_rotation_loads_the_damper_with_its_mass() -> None:
         ({"preload.method": "guessed"}, "preload.method"),
         ({"preload.residual_traction": "kept"}, "preload.residual_traction"),
         ({"preload.normal_law": "pressure-gap"}, "preload.normal_law"),
-        ({"rotation.speed": "3000 rpm", "rotation.axis": [0, 1, 0]}, "rotation"),
         (
             {"preload.method": "solved", "preload.friction_coefficient_at_assembly": 0.2},
             "preload.friction_coefficient_at_assembly",

@@ -9,6 +9,7 @@ import pytest
 
 from law_makers import exponential
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import ContactLaw
 from stickslip.reporting.assumption_section import Assumption, assumptions
 from stickslip.reporting.page import page
 from stickslip.reporting.style import number
@@ -79,6 +80,19 @@ def test_a_law_that_follows_the_pressure_says_so() -> None:
     law = exponential(1e6 * one, 1e6 * one, 0.3 * one, 10.0 * one)
     followed = replace(curve, pairs=ContactPairs.with_laws(curve.pairs.operator, [law]))
     assert "follows the momentary pressure" in rows_of(followed)["Contact stiffness during the cycle"].here
+
+
+def test_a_joint_with_some_pairs_of_that_law_gives_their_number() -> None:
+    curve = response()
+    n_pairs = curve.pairs.n_pairs
+    some = np.ones(n_pairs - 1)
+    laws: list[ContactLaw] = [
+        curve.pairs.coulomb.of_members(np.array([0])),
+        exponential(1e6 * some, 1e6 * some, 0.3 * some, 10.0 * some),
+    ]
+    mixed = replace(curve, pairs=ContactPairs.with_laws(curve.pairs.operator, laws))
+    here = rows_of(mixed)["Contact stiffness during the cycle"].here
+    assert f"in {n_pairs - 1} of {n_pairs} pairs" in here
 
 
 def test_what_this_run_computed_comes_first_and_the_page_has_all_rows() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip.reporting.look import map_range, mark_size
+from stickslip.reporting.look import axis_look, map_range, mark_size
 
 DRAWING = (400.0, 160.0)
 
@@ -36,3 +36,19 @@ def test_nine_in_ten_of_scattered_marks_are_apart():
 
 def test_marks_stay_visible_in_a_crowd():
     assert mark_size(grid(400, 100), DRAWING, 17.0) == 3.0
+
+
+def test_an_upright_map_is_at_least_half_as_wide_as_high_about_its_face():
+    narrow = grid(11, 5)[:, ::-1] * [0.1, 1.0] + [7.0, 0.0]
+    across, up = map_range(narrow)
+    assert np.ptp(across) == pytest.approx(0.5 * np.ptp(up))
+    assert across.mean() == pytest.approx(7.0)
+
+
+def test_a_flat_map_is_as_wide_as_its_face():
+    assert np.ptp(map_range(grid(11, 5))[0]) == pytest.approx(1.12 * 28.0 + 0.8)
+
+
+def test_small_numbers_of_axes_have_powers_and_no_prefix_beside_the_one_of_their_unit():
+    assert axis_look("Amplitude, µm")["exponentformat"] == "power"
+    assert "exponentformat" not in axis_look("Amplitude, µm", type="log")  # 0.1, 1, 10

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from sketches import ABOVE, box, sketch_of_boxes, stacked_boxes
-from stickslip.reporting.structure_marks import Frame, labels, marked, outlines, shortened
+from stickslip.reporting.structure_marks import Frame, before_faces, labels, marked, outlines, shortened
 from stickslip.reporting.structure_view import Camera, best_camera
+from stickslip.results.face_directions import FaceDirections
+from stickslip.results.record import StudyRecord
 from synthetic import synthetic_study
 
 CUBE = box((0.0, 0.0, 0.0), (0.1, 0.1, 0.1))
@@ -19,12 +21,12 @@ USUAL = Camera(-60.0, 30.0)
 
 def test_an_arrow_starts_at_its_place_where_it_pulls_and_ends_there_where_it_pushes() -> None:
     sketch = sketch_of_boxes(CUBE)  # a load along x at the right side
-    shown = marked(sketch)
+    shown = marked(synthetic_study(), sketch)
     assert shown.places[shown.tails[0]] == pytest.approx(sketch.load_places[0])
     along = shown.places[shown.tips[0]] - shown.places[shown.tails[0]]
     assert along == pytest.approx([0.16 * np.sqrt(0.03), 0.0, 0.0])
     assert shown.free_ends.tolist() == shown.tips.tolist()
-    pushed = marked(dataclasses.replace(sketch, loads=-sketch.loads))
+    pushed = marked(synthetic_study(), dataclasses.replace(sketch, loads=-sketch.loads))
     assert pushed.places[pushed.tips[0]] == pytest.approx(sketch.load_places[0])
     assert pushed.free_ends.tolist() == pushed.tails.tolist()
 
@@ -32,11 +34,46 @@ def test_an_arrow_starts_at_its_place_where_it_pulls_and_ends_there_where_it_pus
 def test_places_are_those_of_the_sketch() -> None:
     sketch = sketch_of_boxes(CUBE, load_names=(), load_places=np.empty((0, 3)), loads=np.empty((0, 3)),
                              constant=np.empty(0, dtype=bool))  # fmt: skip
-    shown = marked(sketch)
+    shown = marked(synthetic_study(), sketch)
     assert shown.places[:8] == pytest.approx(sketch.points)
     assert shown.places[shown.responses] == pytest.approx(sketch.response_places)
     assert len(shown.places) == 9
     assert shown.tails.size == shown.tips.size == 0
+
+
+def directed_study() -> StudyRecord:
+    """The synthetic study on the upper box: the left face at its bottom, the right face closed, without directions."""
+    middle = np.array([[0.048, 0.048, 0.1], [0.0, 0.0, 0.0]])
+    tangent1, tangent2 = np.array([[[1.0, 0, 0], [0, 0, 0]], [[0, 1.0, 0], [0, 0, 0]]])
+    return dataclasses.replace(synthetic_study(), face_directions=FaceDirections(middle, tangent1, tangent2))
+
+
+def test_arrows_of_the_sliding_directions_start_at_the_middle_of_their_face() -> None:
+    study, sketch = directed_study(), stacked_boxes()
+    shown = marked(study, sketch)
+    assert shown.tangents == ("t1", "t2")  # a closed face has none
+    assert shown.places[shown.starts] == pytest.approx(np.tile([0.048, 0.048, 0.1], (2, 1)))
+    along = shown.places[shown.ends] - shown.places[shown.starts]
+    least = 0.02 * np.linalg.norm([0.1, 0.1, 0.11])
+    assert along == pytest.approx(np.array([[least, 0.0, 0.0], [0.0, 0.4 * 0.028, 0.0]]))  # a face of 6.5 by 28 mm
+    assert sketch.points[shown.anchors] == pytest.approx(np.tile([0.04, 0.04, 0.1], (2, 1)))
+
+
+def test_arrows_lie_before_their_face() -> None:
+    shown = marked(directed_study(), stacked_boxes())
+    for elevation, side in ((30.0, 1.0), (-30.0, -1.0)):
+        before = before_faces(shown, Camera(-60.0, elevation), 0.001)
+        moved = before.places - shown.places
+        assert moved[np.r_[shown.starts, shown.ends]] == pytest.approx(np.tile([0.0, 0.0, 0.001 * side], (4, 1)))
+        assert not moved[: shown.starts[0]].any()
+
+
+def test_arrows_of_a_tiny_face_remain_visible() -> None:
+    study = directed_study()
+    study = dataclasses.replace(study, pair_position=1e-3 * study.pair_position)
+    shown = marked(study, stacked_boxes())
+    length = np.linalg.norm(shown.places[shown.ends] - shown.places[shown.starts], axis=1)
+    assert length == pytest.approx(0.02 * np.linalg.norm([0.1, 0.1, 0.11]))
 
 
 def test_a_box_is_outlined_by_its_twelve_edges() -> None:
@@ -78,7 +115,7 @@ def test_labels_are_apart_and_inside_even_where_their_places_are_one(size: tuple
     frame = Frame(camera, np.full(3, 0.05), 2000.0, width, height)
     actual = labels_of(frame, **changes)
     assert [label.words for label in actual] == ["Left face", "shaker, 5 N", *names]
-    places = marked(stacked_boxes(**changes)).places
+    places = marked(synthetic_study(), stacked_boxes(**changes)).places
     at = 2000.0 * (places[[label.at for label in actual]] - 0.05) @ camera.axes[:2].T * [1.0, -1.0]
     middles = at + np.array([label.offset for label in actual])
     rooms = np.array([[6.8 * len(label.words), 16.0] for label in actual])

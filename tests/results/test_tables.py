@@ -15,6 +15,7 @@ from test_peak_ridge import ridge_of
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.results.measures import summary
+from stickslip.results.pair_measures import pair_measures
 from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.storage import save_results
 from stickslip.results.stress import Region, StressExtreme, StressSummary
@@ -57,6 +58,15 @@ def test_the_tables_contain_the_numbers_of_the_result() -> None:
     top = int(response.amplitude(row).argmax())
     energies = np.array(column(made["pairs_at_peak"], "dissipated energy").values, dtype=float)
     assert energies == pytest.approx(response.dissipated_energy[top])
+    pairs = pair_measures(response, top)
+    for name, values in (
+        ("stick fraction", pairs.stick_fraction),
+        ("slip fraction", pairs.slip_fraction),
+        ("separated fraction", pairs.separated_fraction),
+        ("slip distance", pairs.slip_distance),
+        ("mean normal pressure", pairs.mean_normal_force / study.pair_area),
+    ):
+        assert column(made["pairs_at_peak"], name).values == tuple(values)
     measures = dict(zip(made["measures"].columns[0].values, made["measures"].columns[1].values, strict=True))
     assert measures["peak_amplitude_m"] == summary(response, row).peak.amplitude
     assert made["stress"].columns[1].values == (31.9e6,)

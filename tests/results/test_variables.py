@@ -42,8 +42,9 @@ VARIABLES = {
     "response_places sides",
 }
 # Variables that older files of the format do not have.
-STABILITY = {f"/{name}" for name in ("stable", "multipliers_real", "multipliers_imaginary", "bifurcations")}
+STABILITY = {f"/{name}" for name in ("stable", "doubtful", "multipliers_real", "multipliers_imaginary", "bifurcations")}
 YOUNGER = {
+    "/amplitude",
     "/load_factor",
     "/kinetic_energy",
     "/part",
@@ -83,7 +84,8 @@ def listing(path: Path) -> dict[str, Any]:
 def test_a_file_has_the_variables_of_its_format(response: ForcedResponse, tmp_path: Path) -> None:
     study = dataclasses.replace(synthetic_study(4, 3), sketch=shaken(stacked_boxes()))
     points = response.n_points
-    response = dataclasses.replace(response, stable=np.ones(points, dtype=bool), multipliers=np.ones((points, 4)))
+    flags = np.ones(points, dtype=bool)
+    response = dataclasses.replace(response, stable=flags, doubtful=flags, multipliers=np.ones((points, 4)))
     save_results(tmp_path / "new.nc", response, study)
     now, before = listing(tmp_path / "new.nc"), listing(OLD_FILE)
     expected = {f"{group}/{name}" for group, names in VARIABLES.items() for name in names.split()}

@@ -15,11 +15,13 @@ from stickslip.core.fourier import with_rows
 from stickslip.solve import evidence as evidence_module
 from stickslip.solve import forced
 from stickslip.solve import pieces as pieces_module
+from stickslip.solve import settled_motion as settled_module
 from stickslip.solve.evidence import Evidence, Settling, repeats_after
 from stickslip.solve.harmonic import varying_harmonics
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.work import Work
 from stickslip.solve.pieces import Pieces
+from stickslip.solve.settled_motion import SettledMotion
 
 ROW = np.array([1.0, 0.0, 0.0])
 SETTLES = Evidence(1.0, 20, 1e-6, 0.02, 1)
@@ -54,10 +56,10 @@ class Solutions(Settling):
         hertz = omega / (2.0 * np.pi)
         return (point(hertz, self._motion), "by a guess") if self._first <= hertz <= self._last else None
 
-    def evidence(self, point: Any, change: float) -> Evidence:
+    def evidence(self, point: Any, change: float, thorough: bool = False) -> Evidence:
         return SETTLES
 
-    def evidence_from_rest(self, omega: float) -> Evidence:
+    def evidence_from_rest(self, omega: float, thorough: bool = False) -> Evidence:
         return Evidence(1.0, 20, 0.3, None, None)
 
 
@@ -125,10 +127,18 @@ def test_a_curve_that_no_step_lost_ends_with_what_happens_there_too() -> None:
 
 @pytest.mark.parametrize(
     ("given_by", "words"),
-    [(None, "No number of harmonics up to 24 gives it"), (12, "12 harmonics give it: run again with harmonics = 12")],
+    [
+        (None, "No number of harmonics up to 96 gives it to 5 %"),
+        (3, "The harmonics of the curve give it to 1.6 %: more are no remedy"),
+        (48, "48 harmonics with 768 samples give it to 1.6 %: run again with harmonics = 48 and samples = 768"),
+    ],
 )
 def test_the_evidence_says_whether_more_harmonics_help(given_by: int | None, words: str) -> None:
-    assert words in Evidence(100.0, 300, 1e-6, 0.5, 1, 24, given_by).words()
+    settled = SettledMotion(96, given_by, 768, 0.016, 0.13)
+    sentence = Evidence(100.0, 300, 1e-6, 0.5, 1, 2e-3, 3, settled).words()
+    assert words in sentence
+    assert "13 % of its vibration is in harmonics above 3" in sentence
+    assert "with 1/4 of the time steps: 0.2 % away" in sentence
 
 
 def test_without_a_solution_beyond_the_curve_ends_with_what_happens_there() -> None:
@@ -156,8 +166,8 @@ def test_with_an_accuracy_a_curve_goes_on_from_the_settled_motion_that_more_harm
     varies: bool, begins: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Others look for a motion with their own number of harmonics."""
-    settled = Evidence(150.02, 300, 1e-6, 0.5, 1, 24, 24, point(150.02, 2.0))
-    monkeypatch.setattr(Solutions, "evidence", lambda *arguments: settled)
+    settled = Evidence(150.02, 300, 1e-6, 0.5, 1, None, 3, SettledMotion(24, 24, 128, 0.01, 0.1, point(150.02, 2.0)))
+    monkeypatch.setattr(Solutions, "evidence", lambda *arguments, **options: settled)
     curve = pieces(150.05, 200.0, 2.0, 0.0)
     curve._varies = curve._takes_settled = varies
     assert curve.follow(point(100.0)).complete
@@ -170,8 +180,8 @@ def test_with_an_accuracy_a_curve_begins_from_the_motion_to_which_it_settles_fro
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """But not from one that these harmonics do not give."""
-    settled = Evidence(100.0, 300, 1e-6, None, 1, 24, 24, point(100.0, 2.0))
-    monkeypatch.setattr(Solutions, "evidence_from_rest", lambda *arguments: settled)
+    settled = Evidence(100.0, 300, 1e-6, None, 1, None, 3, SettledMotion(24, 24, 128, 0.01, 0.1, point(100.0, 2.0)))
+    monkeypatch.setattr(Solutions, "evidence_from_rest", lambda *arguments, **options: settled)
     curve = pieces(105.0, 200.0, 2.0, 102.0)
     with rejects(ConvergenceError):
         curve.follow(None, "there is none.")
@@ -291,7 +301,7 @@ def test_a_lost_curve_with_an_accuracy_goes_on_with_the_harmonics_of_the_settled
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(pieces_module, "SAME_MOTION", 0.0)
-    monkeypatch.setattr(evidence_module, "MORE_HARMONICS", (3,))
+    monkeypatch.setattr(settled_module, "MORE_HARMONICS", (3,))
     parted = parted_resonance(monkeypatch, newtons=400.0, modal_damping_ratio=0.02)
     assert parted.part.max() == 1
     printed_sentence("\n".join(parted.warnings), "with 3 harmonics", numbers=False)
@@ -355,6 +365,36 @@ def test_a_slow_resonance_has_not_settled_though_successive_periods_agree() -> N
     assert found[1] == "from the linear stuck response"
 
 
+def test_only_at_the_end_of_a_curve_shorter_steps_test_a_settled_motion(monkeypatch: pytest.MonkeyPatch) -> None:
+    settling, omega = lost_resonance(), 2.0 * np.pi * 341.0
+    monkeypatch.setattr(evidence_module, "PERIODS", 1500)  # a slow resonance
+    usual = settling.evidence_from_rest(omega)
+    assert usual is not None
+    assert (usual.repeats_after, usual.steps_change) == (1, None)
+    before = settling.work.in_time
+    thorough = settling.evidence_from_rest(omega, thorough=True)
+    assert thorough is not None
+    assert thorough.repeats_after == 1
+    assert thorough.steps_change is not None
+    assert 1e-5 < thorough.steps_change < 1e-2
+    assert settling.work.in_time - before > 4.0 * before
+    monkeypatch.setattr(evidence_module, "coulomb_alone", lambda pairs: False)
+    slow = settling.evidence_from_rest(omega, thorough=True)
+    assert slow is not None
+    assert slow.steps_change is None
+
+
+def test_a_large_system_has_no_longer_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(settled_module, "MANY_ROWS", 20)  # 3 harmonics of one pair have 21
+    balances = cast(Any, SimpleNamespace(samples=128, pairs=SimpleNamespace(n_pairs=1)))
+    numbers = list(settled_module._numbers(balances, 3, 1000, thorough=True))
+    assert numbers == [(3, 128, False), (6, 128, False), (12, 128, False), (24, 128, False)]
+    monkeypatch.setattr(settled_module, "MANY_ROWS", 3000)
+    numbers = list(settled_module._numbers(balances, 3, 1000, thorough=True))
+    assert numbers[3:] == [(24, 128, True), (48, 384, True), (96, 768, True)]
+    assert [each[0] for each in settled_module._numbers(balances, 3, 30, thorough=True)] == [3, 6, 12, 24]
+
+
 @pytest.mark.parametrize(("repeats", "words"), [(3, "only after 3 periods"), (None, "has not settled")])
 def test_words(repeats: int | None, words: str) -> None:
     assert words in Evidence(100.0, 300, 0.1, 0.5, repeats).words()
@@ -368,11 +408,11 @@ def test_a_settled_motion_is_looked_for_with_more_harmonics(factor: float, is_gi
     settling, omega = lost_resonance(), 2.0 * np.pi * 341.0
     found = settling.solution((), omega, ramp=False)
     assert found is not None
-    settling._in_time = cast(
-        Any,
-        SimpleNamespace(unknowns=lambda motion, harmonics: factor * with_rows(found[0].unknowns, 2 * harmonics + 1)),
-    )
-    own = settling._harmonics
-    tried, given = settling._with_harmonics(cast(Any, None), omega)
-    assert tried == (own if is_given else 8 * own)
-    assert (given is not None) == is_given
+    unknowns = lambda motion, harmonics: factor * with_rows(found[0].unknowns, 2 * harmonics + 1)  # noqa: E731
+    settling._in_time = cast(Any, SimpleNamespace(unknowns=unknowns))
+    own, motion = settling._harmonics, cast(Any, SimpleNamespace(displacement=np.zeros((257, 3))))
+    for thorough, most in ((False, 8), (True, 32)):
+        settled = settling._with_harmonics(motion, omega, thorough)
+        assert settled.tried == (own if is_given else most * own)
+        assert settled.given_by == (own if is_given else None)
+        assert settled.neglected == 0.0

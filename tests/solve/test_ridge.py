@@ -12,7 +12,7 @@ import stickslip as ss
 from helpers import Blade
 from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.peak import CurvePeak
+from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak, Probe
 from stickslip.solve.ridge_stage import Problem, RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
 
@@ -162,6 +162,65 @@ def test_where_the_highest_peak_left_the_range_the_next_one_is_no_optimum() -> N
     assert not ridge.converged
     printed_sentence(ridge.message)
     assert ridge.optimum.parameter >= left * (1.0 - 1e-9)
+
+
+def test_a_ridge_passes_a_node_of_the_excitation() -> None:
+    """The force on the first mass vanishes at 1, exactly; a ridge without a peak there continues beyond."""
+
+    def problem_at(factor: float) -> Problem:
+        return two_resonances((1.0 - factor, 0.0))
+
+    ridge = ss.peak_ridge(problem_at, (0.5, 1.4), [1.0, 0.0], frequency_hz=(8.0, 12.0), harmonics=1, samples=16)
+    assert ridge.converged, ridge.message
+    values = np.array([0.6, 0.8, 0.9, 1.1, 1.2, 1.35])
+    exact = [linear_peak(abs(1.0 - value), OMEGA[0]) for value in values]
+    assert ridge.at(values).amplitude == pytest.approx(exact, rel=1e-3)
+    # One ridge from end to end, also where a step arrives exactly at the node.
+    assert ridge.ends[0] == ("", "")
+    assert float(ridge.amplitude.min()) < 0.01 * linear_peak(0.4, OMEGA[0])
+
+
+def test_a_ridge_stays_with_its_mode_where_frequencies_cross() -> None:
+    """The first mass becomes the faster one at 2.25; its ridge is the one with the large amplitude on both sides."""
+
+    def problem_at(factor: float) -> Problem:
+        structure, pairs, excitation = two_resonances((1.0, 0.3))
+        stiffness = structure.stiffness + np.diag([(factor - 1.0) * OMEGA[0] ** 2, 0.0])
+        return ss.Superelement(structure.mass, stiffness, structure.damping), pairs, excitation
+
+    stages = [
+        stage_of(problem_at(factor), np.array([1.0, 1.0]), (8.0, 20.0), harmonics=1, samples=16)
+        for factor in (2.0, 2.5)
+    ]
+    first = stages[0].stuck_mode(0)
+    assert stages[1].same_mode(first).number == 1
+    assert stages[1].same_mode(first).omega == pytest.approx(math.sqrt(2.5) * OMEGA[0])
+
+
+def test_the_lag_of_a_search_is_that_of_the_motion() -> None:
+    """A step along the tangent of a resonance arrives at another phase than planned."""
+    stage = stage_of(two_resonances((1.0, 0.0)), np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16)
+    search, omega = stage.search, 0.997 * OMEGA[0]
+
+    def phase(probe: Probe) -> float:
+        ratio = probe.point.trial.omega / OMEGA[0]
+        return math.atan2(2.0 * RATIO * ratio, 1.0 - ratio**2)
+
+    first = search._probe(stage.linear_point(omega / (2.0 * math.pi)), 0)
+    after = search._moved(first, 0.4)
+    assert after is not None
+    turned = phase(after) - phase(first)
+    assert after.lag == pytest.approx(turned, rel=0.05)  # the weights are those at both ends
+    assert abs(turned - 0.4) > 0.1 * turned
+
+
+def test_a_search_above_the_highest_amplitude_stops() -> None:
+    stage = stage_of(two_resonances((1.0, 0.0)), np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16)
+    peak = peak_of(stage)
+    point, top = peak.probe.point, peak.amplitude
+    estimate = point.unknowns, point.trial.omega, peak.probe.tangent, peak.curvature
+    assert isinstance(stage.search.from_estimate(*estimate, highest=1.01 * top), CurvePeak)
+    assert stage.search.from_estimate(*estimate, highest=0.9 * top) == ANOTHER_PEAK
 
 
 def test_no_peak_in_the_range_is_an_error() -> None:

@@ -14,6 +14,8 @@ import pytest
 import stickslip as ss
 from helpers import benchmark_module
 from sentences import printed_sentence
+from stickslip.solve.evidence import Evidence
+from stickslip.solve.settled_motion import SettledMotion
 
 make = benchmark_module("torture_problems").make
 
@@ -56,6 +58,22 @@ SLOW: dict[tuple[str, int], Outcome] = {
 
 def test_the_table_has_all_classes() -> None:
     assert {kind for kind, _ in (*QUICK, *SLOW)} == set(benchmark_module("torture_problems").KINDS)
+
+
+@pytest.mark.parametrize(
+    ("repeats", "given_by", "verdict"),
+    [(None, None, "unsettled"), (3, None, "unsettled"), (1, 96, "few harmonics"), (1, None, "early")],
+)
+def test_the_verdict_on_an_end_is_that_of_its_time_integration(
+    repeats: int | None, given_by: int | None, verdict: str
+) -> None:
+    """And not that of an earlier place, which a warning describes."""
+    settled = SettledMotion(96, given_by, 768, 0.016, 0.13)
+    words = Evidence(100.0, 300, 1e-2, 0.5, repeats, 2e-3, 3, settled).words()
+    earlier = Evidence(90.0, 300, 1e-2, 0.5, None if repeats == 1 else 1).words()
+    ended = benchmark_module("torture").ended
+    assert ended(f"The curve ends. {words}", (earlier,)) == verdict
+    assert ended("The warnings name the places.", (words,)) == verdict
 
 
 def assert_outcome(kind: str, seed: int, outcome: Outcome) -> None:

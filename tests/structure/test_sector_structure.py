@@ -59,7 +59,7 @@ def test_a_mode_of_the_reduced_sector_on_the_whole_disk(waves: int) -> None:
     assert folded(waves, SECTORS) == abs(waves)
 
 
-def test_a_sector_without_modes() -> None:
-    reduced = sector().reduced(np.array([MESH.n_nodes // 2]), 4).without_modes()
+def test_a_sector_without_recovery() -> None:
+    reduced = sector().reduced(np.array([MESH.n_nodes // 2]), 4).without_recovery()
     with pytest.raises(InputError, match="fixed-interface modes"):
         sector().motion(reduced, np.zeros((reduced.size, 3)), [1])

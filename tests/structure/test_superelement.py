@@ -1,11 +1,16 @@
-"""Which modes are bodies that move freely: measured by the stiffness that they feel, not by a frequency."""
+"""Which modes are bodies that move freely: by the stiffness that they feel, not by a frequency. Rayleigh damping."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse
 
-from stickslip.structure.superelement import moves_freely
+from helpers import Blade
+from sentences import rejects
+from stickslip.core.errors import InputError
+from stickslip.structure.superelement import moves_freely, rayleigh_damping_matrix
 
 
 def chain(n: int, stiffness: float, mass: float, held: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -53,3 +58,29 @@ def test_every_mass_without_a_spring_moves_freely(free_masses: int, links: int) 
     stiffness, mass = stiffness[np.ix_(order, order)], np.diag(np.repeat([0.7, 0.3], [links, free_masses])[order])
     _, modes = scipy.linalg.eigh(stiffness, mass)
     assert np.flatnonzero(moves_freely(stiffness, modes)).tolist() == list(range(free_masses))
+
+
+def test_rayleigh_leaves_the_joint_out(blade: Blade) -> None:
+    """The dashpots of beta K act within the structure; contact springs have none."""
+    damping = rayleigh_damping_matrix(blade.superelement, 3.0, 1e-7)
+    assert np.allclose(damping, 3.0 * blade.superelement.mass + 1e-7 * blade.superelement.stiffness)
+
+
+def test_negative_rayleigh_factor_is_rejected(blade: Blade) -> None:
+    with rejects(InputError, "mass_factor", "stiffness_factor"):
+        rayleigh_damping_matrix(blade.superelement, -1.0, 0.0)
+
+
+def test_rayleigh_damping_is_beside_that_of_the_structure(blade: Blade) -> None:
+    undamped = replace(blade.superelement, damping=None)
+    given = replace(undamped, damping=np.eye(undamped.size))
+    for own, structure in ((0.0, undamped), (np.eye(undamped.size), given)):
+        damping = structure.with_rayleigh_damping(3.0, 1e-7).damping
+        assert damping is not None
+        np.testing.assert_array_equal(damping, 3.0 * undamped.mass + 1e-7 * undamped.stiffness + own)
+
+
+def test_a_superelement_is_no_sector(blade: Blade) -> None:
+    assert blade.superelement.require_structure() is blade.superelement
+    with rejects(InputError, "superelement"):
+        blade.superelement.require_sector()

@@ -60,8 +60,8 @@ def test_a_study_without_range_is_checked_and_written_but_not_run(without_range:
     assert written.exit_code == 0, written.stderr
     assert 'file = "beam_and_block.inp"' in target.read_text(encoding="utf-8")
     case = load_case(target)
-    assert case.solver.frequency_start < 1844.2 < case.solver.frequency_stop
-    assert case.sections["forces"]["push"].amplitude != 0.2
+    assert case.solver.frequency_start < 2095.0 < case.solver.frequency_stop  # the stuck peak
+    assert case.sections["forces"]["push"].amplitude != 0.5
 
 
 def test_a_joint_of_ones_own_has_no_default_stiffness() -> None:

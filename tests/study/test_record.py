@@ -7,14 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from own_cases import mesh_case
 from sentences import printed_sentence
 from stickslip.contact.law.law import ContactState
-from stickslip.model.model import build_model
+from stickslip.model.model import build_model, set_up
 from stickslip.reporting.page import page
 from stickslip.results.record import Value
 from stickslip.study.analyses import solve
 from stickslip.study.check import check
-from stickslip.study.record import _beside_reference, _doubtful_order, changed_inputs, study_record
+from stickslip.study.record import (
+    _beside_reference,
+    _doubtful_order,
+    _face_directions,
+    changed_inputs,
+    study_record,
+)
 from sweep_cases import quick_case
 from synthetic import synthetic_response, synthetic_study
 
@@ -71,3 +78,18 @@ def test_the_page_lists_the_inputs_that_differ_from_their_defaults() -> None:
 
 def test_inputs_of_a_version_with_other_keys_have_no_such_list() -> None:
     assert changed_inputs(replace(synthetic_study(), inputs='[friction]\nroughening = "0.2"\n')) == ()
+
+
+def test_directions_of_faces_are_those_of_their_pairs() -> None:
+    pairs = set_up(mesh_case()).layout.face_pairs
+    directions = _face_directions(pairs, 2)
+    for face in range(2):  # both look along z
+        assert directions.tangent1[face] == pytest.approx([1.0, 0.0, 0.0])
+        assert directions.tangent2[face] == pytest.approx([0.0, 1.0, 0.0])
+        assert directions.middle[face] == pytest.approx(pairs.points[pairs.face == face].mean(axis=0))
+
+
+def test_a_map_that_is_not_along_the_tangents_has_no_directions() -> None:
+    pairs = set_up(mesh_case()).layout.face_pairs
+    in_a_row = np.column_stack([np.zeros(pairs.n_pairs), 1e-3 * np.arange(pairs.n_pairs)])  # as without positions
+    assert not _face_directions(replace(pairs, face_position=in_a_row), 2).tangent1.any()

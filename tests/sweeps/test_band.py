@@ -90,7 +90,7 @@ def test_residual_tractions_are_varied_with_central_inputs(study: Path, tmp_path
     saved = ss.ForcedResponse.load(central).traction_band
     assert saved is not None
     again = ss.band(case, SCATTER, out=tmp_path, samples=8, workers=1)
-    assert again.found == 9
+    assert again.reused == 9
     assert again.tractions is not None
     assert again.tractions.high == band.tractions.high
 
@@ -139,11 +139,11 @@ def test_a_band_resumes_and_more_samples_contain_those_of_fewer(
 
     monkeypatch.setattr(work, "solve", counted)
     again = ss.band(study, SCATTER, out=linear[1], samples=SAMPLES, limits=[LIMIT], workers=1)
-    assert (again.found, solved) == (SAMPLES, [])
+    assert (again.reused, solved) == (SAMPLES, [])
     assert again.table == linear[0].table
     assert again.influences == linear[0].influences
     more = ss.band(study, SCATTER, out=linear[1], samples=SAMPLES + 2, workers=1)
-    assert (more.found, len(solved)) == (SAMPLES, 2)
+    assert (more.reused, len(solved)) == (SAMPLES, 2)
     assert more.table.rows[:SAMPLES] == linear[0].table.rows
     printed_sentence(" ".join(more.remarks), "34 samples")
 

@@ -97,7 +97,7 @@ def test_files_contain_the_designs_and_the_optimum(damper: tuple[Design, Path]) 
 @pytest.mark.slow
 def test_a_resumed_design_solves_nothing_again(case: Case, damper: tuple[Design, Path]) -> None:
     again = ss.design(case, RANGE, out=damper[1], **FEW)
-    assert (again.solved, again.found) == (0, len(damper[0].evaluations))
+    assert (again.solved, again.reused) == (0, len(damper[0].evaluations))
     assert values_of(again) == values_of(damper[0])
 
 
@@ -121,7 +121,7 @@ def test_a_killed_design_loses_no_completed_case(case: Case, tmp_path: Path, sol
         ss.design(case, RANGE, out=tmp_path, **options)
     rest = solver()
     result = ss.design(case, RANGE, out=tmp_path, **options)
-    assert result.found == 9
+    assert result.reused == 9
     assert [*first.solved, *rest.solved] == complete.solved
     assert values_of(result) == values_of(expected)
     assert result.load_cases == ("forces.push.amplitude = 1 N", "forces.push.amplitude = 2 N")

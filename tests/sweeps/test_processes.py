@@ -197,7 +197,7 @@ def test_an_interrupted_and_a_killed_sweep_continue_without_solving_again(tmp_pa
     assert before < len(finished) <= 6
     assert not (out / "sweep.csv").exists()
     result = ss.sweep(load_case(study), {"preload.centrifugal_force": LOADS}, out=out, workers=1)
-    assert result.found == len(finished)
+    assert result.reused == len(finished)
     assert {file: file.stat().st_mtime_ns for file in finished} == finished
     assert [row.converged for row in result.table.rows] == [True] * 6
     # The kill may hit between the row of a case and its results, which are written after it.

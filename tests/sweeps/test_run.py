@@ -176,11 +176,11 @@ def test_a_sweep_continues_where_it_ended(swept: tuple, monkeypatch: pytest.Monk
     monkeypatch.setattr(sweep_run, "set_up", None)
     page = (folder / "sweep.html").read_text(encoding="utf-8")
     again = ss.sweep(quick_case(), VARY, out=folder)
-    assert (again.found, again.notices) == (4, ())
+    assert (again.reused, again.notices) == (4, ())
     assert again.table == result.table
     assert len((folder / "sweep.html").read_text(encoding="utf-8")) == pytest.approx(len(page), abs=50)
     part = ss.sweep(quick_case(), VARY | {"excitation.mode": "same"}, out=folder)
-    assert (part.found, part.table.rows) == (4, result.table.rows)  # the table retains the other cases
+    assert (part.reused, part.table.rows) == (4, result.table.rows)  # the table retains the other cases
 
 
 @pytest.mark.slow
@@ -197,7 +197,7 @@ def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: tuple, t
     abandoned = files[0].with_name(".results.nc.1.part")
     abandoned.write_bytes(b"half")
     again = ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1)
-    assert again.found == 1
+    assert again.reused == 1
     unfit = "is not used: its digest does not match: it is damaged, or belongs to other inputs or another version."
     assert again.notices == (
         f'"{files[0].with_name("row.json")}" {unfit} This case is solved again.',
@@ -208,7 +208,7 @@ def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: tuple, t
     displacement = [load_results(file).response.displacement for file in (files[0], result.case_files[0])]
     np.testing.assert_array_equal(*displacement)
     assert not abandoned.exists()
-    assert ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1).found == 4
+    assert ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1).reused == 4
 
 
 @pytest.mark.slow
@@ -257,7 +257,7 @@ def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeyp
 
     monkeypatch.undo()  # the fault is repaired: what stickslip answered stands, the fault is tried again
     again = ss.sweep(quick_case(), vary, out=tmp_path, workers=1)
-    assert again.found == 2
+    assert again.reused == 2
     assert again.table.rows[:2] == result.table.rows[:2]
     assert again.table.rows[2].converged
     assert not log.exists()

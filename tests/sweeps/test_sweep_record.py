@@ -105,7 +105,7 @@ def test_a_damaged_record_is_rejected(tmp_path: Path) -> None:
 def test_two_sweeps_are_one_table_and_report_writes_every_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     first = sweep(quick_case(), {LOAD: [600]}, out=tmp_path, workers=1)
     both = sweep(quick_case(), {LOAD: [650], MODE: ["single"]}, out=tmp_path, workers=1)
-    assert both.found == 1
+    assert both.reused == 1
     assert both.table.column(LOAD) == [600.0, 650.0]
     assert both.table.column("peak_amplitude_m")[0] == first.table.column("peak_amplitude_m")[0]
     with (tmp_path / "sweep.csv").open(encoding="utf-8") as stream:

@@ -1,4 +1,4 @@
-"""What is computed of a structure: the section [analysis] of a study file, one class for each kind.
+"""The section [analysis] of a study file: the analysis of the structure, one class for each kind.
 
 A further kind is one more class here and one function in ``study/analyses.py``.
 """
@@ -22,7 +22,7 @@ Amplitude = Annotated[float, Quantity("length", shown="um", at_least=1e-13, at_m
 
 
 class AnalysisSection(Section):
-    """What is computed, whatever its kind: always the forced response."""
+    """Keys of all kinds of analysis; each computes the forced response."""
 
     kind: str
     performance_curve: bool = Field(

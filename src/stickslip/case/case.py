@@ -23,11 +23,14 @@ from stickslip.case.analysis import Analysis, ForcedAnalysis, WearAnalysis
 from stickslip.case.case_content import CaseContent
 from stickslip.case.consistency import (
     EntryError,
+    coriolis_errors,
     damper_law_errors,
     excitation_errors,
+    frd_errors,
     joint_errors,
     place_errors,
     preload_errors,
+    rotation_errors,
     sector_errors,
     unchosen_range_errors,
     unchosen_stiffness_errors,
@@ -35,22 +38,27 @@ from stickslip.case.consistency import (
 )
 from stickslip.case.cyclic_sections import CyclicStructure, TravellingWaveSection
 from stickslip.case.damper_rules import damper_errors, with_two_blade_defaults
+from stickslip.case.dotted_keys import parts_of_key, with_values
 from stickslip.case.explained import explained
 from stickslip.case.interface_sections import InterfaceSection, MatrixInterface, MeshInterfaceSection
-from stickslip.case.law_keys import CONSTANT_TABLES, StiffnessLawKeys, StiffnessLawSection, table_file
+from stickslip.case.law_keys import StiffnessLawKeys, StiffnessLawSection, table_file
 from stickslip.case.own_sections import (
     BaseMotion,
     BodyName,
     BodySection,
     ForceSection,
+    GravitySection,
     MatrixStructure,
+    MeshRotationSection,
     MeshStructureSection,
     Name,
     OwnMaterialSection,
     OwnPreloadSection,
     PlaceSection,
+    PressureSection,
     ResponseSection,
     RotationSection,
+    SectorRotationSection,
     StaticLoadSection,
     TieSection,
     UnbalanceSection,
@@ -82,7 +90,6 @@ from stickslip.case.two_blade_sections import (
     WedgePreloadSection,
     WedgeSection,
 )
-from stickslip.core.errors import StudyFileError
 
 Kind = Literal["two-blade", "mesh", "matrices", "cyclic"]
 FaceStiffness = Annotated[
@@ -199,33 +206,18 @@ class Case(CaseContent):
         """Key or name of an interface -> file that the case reads."""
         return {**self.structure.files, **table_file("contact_stiffness", self.contact_stiffness)}
 
+    @classmethod
+    def parts_of_key(cls, path: str) -> tuple[str, str, str, str]:
+        """Section, name of the entry, section of constants and key, see :func:`parts_of_key`."""
+        return parts_of_key(path, Case.named_sections())
+
     def replace(self, changes: Mapping[str, Any]) -> Self:
         """A validated copy with other values, ``case.replace({"preload.centrifugal_force": "300 N"})``.
 
         Keys are ``section.key`` or ``section.NAME.key``, constants of a law ``section.NAME.constants.key``; values as
         in a study file. Raises StudyFileError.
         """
-        data = self.as_mapping(only_explicit=True)
-        for path, value in changes.items():
-            section, name, table, key = parts_of_key(path)
-            if not key:
-                raise StudyFileError(
-                    f'the study: 1 error.\n  "{path}" names no key. Give each key with its section, for example '
-                    '"friction.coefficient".',
-                    (path,),
-                )
-            entries = self.sections.get(section, {})
-            if name and name not in entries:
-                allowed = ", ".join(entries) or "none"
-                raise StudyFileError(
-                    f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: "
-                    f"{allowed}.",
-                    (path,),
-                )
-            home = data.setdefault(section, {})
-            for part in (name, table):
-                home = home.setdefault(part, {}) if part else home
-            home[key] = value
+        data = with_values(self.as_mapping(only_explicit=True), changes, self.sections, Case.named_sections())
         return cast(Self, Case.from_mapping(data))
 
 
@@ -251,6 +243,7 @@ class TwoBladeCase(Case):
         return with_two_blade_defaults(data)
 
     def _misfits(self) -> Iterator[EntryError]:
+        yield from rotation_errors(self.rotation, self.analysis)
         loads = () if self.rotation is None else ("rotation",)
         follows = self.contact_stiffness is None or isinstance(self.contact_stiffness, StiffnessLawKeys)
         yield from preload_errors(self.preload, loads, follows)
@@ -331,12 +324,17 @@ class MeshCase(SolidCase):
     structure: MeshStructureSection
     ties: dict[Name, TieSection] = Field(default={}, description=TieSection.__doc__)
     base_motion: BaseMotion | None = None
-    rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
+    pressures: dict[Name, PressureSection] = Field(default={}, description=PressureSection.__doc__)
+    gravity: GravitySection | None = Field(default=None, description=GravitySection.__doc__)
+    rotation: MeshRotationSection | None = Field(default=None, description=MeshRotationSection.__doc__)
 
     def _misfits(self) -> Iterator[EntryError]:
-        loads = tuple(name for name in ("rotation", "static_loads") if getattr(self, name))
+        yield from rotation_errors(self.rotation, self.analysis)
+        loads = tuple(name for name in ("rotation", "gravity", "pressures", "static_loads") if getattr(self, name))
         excitations = {"forces": self.forces, "unbalance": self.unbalance, "base_motion": self.base_motion}
         yield from self._own_misfits(loads, excitations, has_areas=True)
+        if self.rotation is not None and self.rotation.coriolis:
+            yield from coriolis_errors(self.analysis)
 
 
 class CyclicCase(SolidCase):
@@ -347,6 +345,7 @@ class CyclicCase(SolidCase):
 
     structure: CyclicStructure
     travelling_wave: TravellingWaveSection | None = Field(default=None, description=TravellingWaveSection.__doc__)
+    rotation: SectorRotationSection | None = Field(default=None, description=SectorRotationSection.__doc__)
 
     def _misfits(self) -> Iterator[EntryError]:
         if self.travelling_wave is None:
@@ -354,6 +353,7 @@ class CyclicCase(SolidCase):
                 ("travelling_wave",),
                 "is missing. Give this section with engine_order, the number of waves round the disk.",
             )
+        yield from frd_errors(self.output, "a sector of a disk")
         yield from sector_errors(self.analysis, self.preload, self.damping, self.static_loads, self.unbalance)
         yield from self._own_misfits((), {"forces": self.forces}, has_areas=True)
 
@@ -368,6 +368,7 @@ class MatrixCase(OwnCase):
     interfaces: dict[Name, MatrixInterface] = Field(default={})
 
     def _misfits(self) -> Iterator[EntryError]:
+        yield from frd_errors(self.output, "matrices")
         for key in ("fatigue_limit", "tensile_strength"):
             if self.material is not None and getattr(self.material, key) is not None:
                 yield EntryError(("material", key), "belongs to the stress of a mesh; matrices have none. Remove it.")
@@ -381,20 +382,6 @@ KINDS: dict[str, type[Case]] = {
     "matrices": MatrixCase,
     "cyclic": CyclicCase,
 }
-
-
-def parts_of_key(path: str) -> tuple[str, str, str, str]:
-    """Section, name of the entry, section of constants and key of a dotted key; "" where it has no such part.
-
-    The name of an entry may have dots of its own.
-    """
-    section, _, rest = path.partition(".")
-    above, _, key = rest.rpartition(".")
-    table = next((each for each in CONSTANT_TABLES if above == each or above.endswith(f".{each}")), "")
-    name = above.removesuffix(table).removesuffix(".")
-    if section not in Case.named_sections():
-        return (section, "", table, key) if not name else (section, "", "", rest)
-    return (section, name, table, key) if name else (section, above, "", key)
 
 
 class _StructureOfSomeKind(BaseModel):

@@ -14,13 +14,23 @@ from stickslip.case.template import is_named, section_types, study_text
 SECTIONS = (
     "study", "structure", "geometry", "damper", "mesh", "material", "bodies", "reduction", "roughness",
     "contact_stiffness", "friction", "interfaces", "ties", "preload", "damping", "excitation", "forces", "base_motion",
-    "travelling_wave", "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver",
-    "output",
+    "travelling_wave", "unbalance", "responses", "static_loads", "pressures", "gravity", "rotation", "reference",
+    "analysis", "solver", "output",
 )  # fmt: skip
+
+SHOWN_CHANGES = 4  # chosen: one line of a terminal or two
 
 
 class CaseContent(BaseModel):
     """Part of a case, whose fields are sections: their values as a study file has them."""
+
+    def __repr__(self) -> str:
+        changed = self.changed_keys()
+        first, more = "; ".join(changed[:SHOWN_CHANGES]), len(changed) - SHOWN_CHANGES
+        keys = f"{first}{f'; and {more} further keys' if more > 0 else ''}" or "all keys have their defaults"
+        return f"{type(self).__name__}({self.sections['study'].title!r}: {keys})"
+
+    __str__ = __repr__
 
     @property
     def sections(self) -> dict[str, Any]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, WearAnalysis
+from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
-from stickslip.case.own_sections import OwnPreloadSection, PlaceSection
-from stickslip.case.sections import DampingSection, PreloadSection, SolverSection
+from stickslip.case.own_sections import OwnPreloadSection, PlaceSection, RotationSection
+from stickslip.case.sections import DampingSection, OutputSection, PreloadSection, SolverSection
 from stickslip.case.two_blade_sections import ROTATING, DamperFrictionSection, WedgePreloadSection
-from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES
+from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES, Declaration
 from stickslip.core.errors import InputError
 from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 
@@ -44,15 +45,11 @@ def wear_errors(
     if preload.method == "solved" and preload.residual_traction == "kept":
         yield EntryError(
             ("preload", "residual_traction"),
-            'is "kept", but wear removes the material that holds tractions. Set "released" for kind = "wear".',
+            'is "kept", but wear removes the material that carries tractions. Set "released" for kind = "wear".',
         )
     for name, interface in interfaces.items():
         if interface.other_law is not None:
-            yield EntryError(
-                ("interfaces", name, "law"),
-                f'is "{interface.other_law}", but wear requires Coulomb friction in all interfaces: other laws have no '
-                "slip under a normal load.",
-            )
+            yield _wearing_law(("interfaces", name, "law"), interface.other_law, interface.declaration)
     if analysis.running_in_sq is not None and not has_roughness:
         yield EntryError(
             ("analysis", "running_in_sq"),
@@ -60,21 +57,40 @@ def wear_errors(
         )
 
 
+def _wearing_law(path: tuple[str, ...], law: str, declaration: Declaration) -> EntryError:
+    """A law other than Coulomb's in a joint that wears."""
+    if declaration.follows_load:
+        return EntryError(
+            path,
+            f'is "{law}", but wear opens pairs, and this law has no open pairs. Remove the key: with Coulomb friction '
+            "the stiffness of a rough face follows the load of each worn state too.",
+        )
+    return EntryError(
+        path, f'is "{law}", but wear requires Coulomb friction: this law has no slip under a normal load. Change it.'
+    )
+
+
 def damper_law_errors(friction: DamperFrictionSection, preload: PreloadSection, wears: bool) -> Iterator[EntryError]:
     """What a contact law of the damper other than Coulomb's does not allow."""
     if friction.other_law is None:
         return
     if preload.method == "solved":
-        yield EntryError(
-            ("preload", "method"),
-            f'is "solved", and friction.law is "{friction.other_law}", which requires prescribed loads. Use '
-            'method = "prescribed", or remove friction.law.',
-        )
+        law = f'friction.law is "{friction.other_law}"'
+        if not friction.declaration.follows_load:
+            yield EntryError(("preload", "method"), f'is "solved", but {law}, which requires "prescribed".')
+        elif preload.normal_law == "spring":
+            yield _needs_curve(law)
     if wears:
-        yield EntryError(
-            ("friction", "law"),
-            f'is "{friction.other_law}", but wear requires Coulomb friction. Remove the key.',
-        )
+        yield _wearing_law(("friction", "law"), friction.other_law, friction.declaration)
+
+
+def _needs_curve(law: str) -> EntryError:
+    """A law that takes its load from the joint, under a preload that is solved with springs."""
+    return EntryError(
+        ("preload", "normal_law"),
+        f'is "spring", but {law}, which requires the stiffness that each pair has under its own load. Set normal_law '
+        '= "pressure-gap".',
+    )
 
 
 def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool) -> Iterator[EntryError]:
@@ -84,9 +100,11 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool)
     follows from its pressure.
     """
     if isinstance(preload, WedgePreloadSection):
-        yield from _mass_errors(preload, rotates="rotation" in loads)
+        yield from _mass_errors(preload, rotates="rotation" in loads and preload.method == "solved")
     if preload.method == "prescribed":
         for name in loads:
+            if name == "rotation":  # the structure has its stiffness at the speed
+                continue
             yield EntryError((name,), 'applies only to preload.method = "solved". Set it, or remove the section.')
         for key in ("residual_traction", "normal_law"):
             if key in preload.model_fields_set and getattr(preload, key) != type(preload).model_fields[key].default:
@@ -101,8 +119,8 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool)
     if wedge_force is None and not loads:
         yield EntryError(
             ("preload", "method"),
-            'is "solved", but there is no static load. Give [rotation] or [static_loads.NAME], or for two blades '
-            "preload.centrifugal_force.",
+            'is "solved", but there is no static load. Give [static_loads.NAME], [pressures.NAME], [gravity] or '
+            "[rotation], or for two blades preload.centrifugal_force.",
         )
     if preload.normal_law == "pressure-gap" and not pressed:
         yield EntryError(
@@ -158,7 +176,7 @@ def joint_errors(
         where = ("interfaces", name)
         solved = preload.method == "solved"
         if solved and each.other_law is not None:
-            yield from _static_load_errors(name, each, pressed)
+            yield from _static_load_errors(name, each, pressed, preload.normal_law)
         yield from _useless_keys(where, each)
         yield from _stiffness_errors(where, each)
         needs_load = each.other_law is None or each.declaration.needs(NORMAL_LOAD) or name in pressed
@@ -176,9 +194,21 @@ def joint_errors(
             yield EntryError((*where, "normal_load"), 'is a result of preload.method = "solved". Remove it.')
 
 
-def _static_load_errors(name: str, interface: InterfaceSection, pressed: Sequence[str]) -> Iterator[EntryError]:
+def _static_load_errors(
+    name: str, interface: InterfaceSection, pressed: Sequence[str], normal_law: str
+) -> Iterator[EntryError]:
     """What a solved preload cannot do for an interface with another law than Coulomb's."""
     law = f'is "solved", and interfaces.{name} has the law "{interface.other_law}"'
+    if interface.declaration.follows_load:
+        if name not in pressed:
+            yield EntryError(
+                ("preload", "method"),
+                f"{law}, which requires the stiffness that each pair has under its own load. Give [roughness] or a "
+                "stiffness_law instead of its normal_stiffness and tangential_stiffness.",
+            )
+        elif normal_law == "spring":
+            yield _needs_curve(f'interfaces.{name} has the law "{interface.other_law}"')
+        return
     if pressed:
         yield EntryError(
             ("preload", "method"),
@@ -251,6 +281,37 @@ def sector_errors(
             ("damping", "modal_damping_ratio"),
             "is 0, but a sector of a disk requires viscous damping. Give it, 0.001 is usual for metal.",
         )
+
+
+def rotation_errors(rotation: RotationSection | None, analysis: AnalysisSection) -> Iterator[EntryError]:
+    """A speed above the highest one of the reduction, and gradients with a reduction for several speeds."""
+    if rotation is not None and rotation.top_speed is not None and analysis.gradients:
+        yield EntryError(
+            ("rotation", "top_speed"),
+            "gives one reduction for several speeds, which has no gradients. Remove it, or analysis.gradients.",
+        )
+    if rotation is not None and rotation.top_speed is not None and not rotation.speed <= rotation.top_speed > 0.0:
+        shown = 60.0 / (2.0 * math.pi)
+        yield EntryError(
+            ("rotation", "top_speed"),
+            f"is {shown * rotation.top_speed:g} rpm, but it must be above 0 and at least speed, "
+            f"{shown * rotation.speed:g} rpm. Raise it, or remove it.",
+        )
+
+
+def coriolis_errors(analysis: AnalysisSection) -> Iterator[EntryError]:
+    """Analyses that are not valid with Coriolis forces."""
+    wrong = "and rotation.coriolis is true: this analysis has no Coriolis forces. Set coriolis to false."
+    if isinstance(analysis, (ModeAnalysis, RidgeAnalysis)):
+        yield EntryError(("analysis", "kind"), f'is "{analysis.kind}", {wrong}')
+    if analysis.gradients:
+        yield EntryError(("analysis", "gradients"), f"is true, {wrong}")
+
+
+def frd_errors(output: OutputSection, structure: str) -> Iterator[EntryError]:
+    """A result file of CalculiX of a ``structure`` whose stress is not computed."""
+    if output.frd:
+        yield EntryError(("output", "frd"), f"is true, but the stress of {structure} is not computed. Remove the key.")
 
 
 def unchosen_stiffness_errors(interfaces: Sequence[str]) -> Iterator[EntryError]:

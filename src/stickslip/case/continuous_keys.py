@@ -15,7 +15,7 @@ from stickslip.core.units import Quantity
 # Sections that describe the structure, its joint and its loads; the others describe the computation and its files.
 PHYSICAL = (
     "geometry", "damper", "material", "bodies", "roughness", "contact_stiffness", "friction", "interfaces", "preload",
-    "damping", "excitation", "forces", "base_motion", "unbalance", "static_loads", "rotation",
+    "damping", "excitation", "forces", "base_motion", "unbalance", "static_loads", "pressures", "gravity", "rotation",
 )  # fmt: skip
 # Keys of these sections that control how the program forms pairs, not a property of the joint.
 _OF_PAIRING = ("search_distance", "edge_tolerance", "gap_tolerance")

@@ -28,7 +28,7 @@ _SIDE = 'is missing. Give the name of a set; second may be "ground".'
 
 
 class _JointKeys(Section):
-    """What a joint of any kind has: its load, its friction and its stiffness."""
+    """The keys of a joint of any kind: its load, its friction and its stiffness."""
 
     tangent: Direction | None = Field(
         default=None, description="first direction of sliding; default: up the slope", examples=[[0.0, 0.0, 1.0]]
@@ -50,7 +50,7 @@ class InterfaceSection(ContactLawKeys, StiffnessLawKeys, _JointKeys):
 
     @property
     def has_own_stiffness(self) -> bool:
-        """Whether a stiffness stands here, be it by a law."""
+        """Whether the section gives a stiffness, directly or by a law."""
         given = (self.normal_stiffness, self.tangential_stiffness, self.stiffness_law)
         return any(each is not None for each in given)
 

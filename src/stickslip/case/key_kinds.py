@@ -1,4 +1,4 @@
-"""What values a key of study files takes when it varies, in a sweep or along a ridge of peaks."""
+"""The values that a key of study files can have in a sweep or along a ridge of peaks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import UnionType
 from typing import Annotated, Literal, Union, get_args, get_origin
 
-from stickslip.case.case import Case, parts_of_key
+from stickslip.case.case import Case
 from stickslip.case.law_constants import LawConstants
 from stickslip.case.template import metadata_of, quantity_of
 from stickslip.core.errors import InputError
@@ -21,7 +21,7 @@ def kind_of_key(name: str, case: Case | None) -> Quantity | Count | tuple[str, .
     """Type of the values of a key: a quantity, a count, or the words of a choice. Raises InputError."""
     all_keys = Case.allowed_keys()
     named = Case.named_sections()
-    section, entry, table, key = parts_of_key(name)
+    section, entry, table, key = Case.parts_of_key(name)
     if table:
         return _constant_kind(name, case)
     entry = entry if section in named else "NAME"
@@ -56,8 +56,8 @@ def kind_of_key(name: str, case: Case | None) -> Quantity | Count | tuple[str, .
 
 
 def _constant_kind(name: str, case: Case | None) -> Quantity:
-    """What values a constant of a law takes, by what the law declares. Raises InputError."""
-    section, entry, table, key = parts_of_key(name)
+    """The values that a constant of a law can have, from its declaration. Raises InputError."""
+    section, entry, table, key = Case.parts_of_key(name)
     holder = None if case is None else case.sections.get(section)
     if isinstance(holder, Mapping):
         holder = holder.get(entry)

@@ -42,9 +42,9 @@ class LawConstants:
 
     @property
     def file(self) -> str | None:
-        """The file that holds the tables."""
-        found = self.values.get(TABLE_FILE)
-        return found if isinstance(found, str) else None
+        """The file that contains the tables."""
+        file = self.values.get(TABLE_FILE)
+        return file if isinstance(file, str) else None
 
     def plain(self) -> dict[str, Any]:
         """Key -> value as in a study file, with every digit and SI units."""
@@ -93,14 +93,14 @@ def _shown(value: ConstantValue) -> str:
 
 
 def contact_law_declaration(name: str) -> Declaration:
-    """What a contact law declares. Raises InputError for a name without a law, and for a law of Python only."""
+    """The declarations of a contact law. Raises InputError for a name without a law, and for a law of Python only."""
     from stickslip.contact.law.registry import contact_law, contact_law_names
 
     return declaration_of(_maker(name, contact_law, contact_law_names(), "contact law"))
 
 
 def stiffness_law_declaration(name: str) -> Declaration:
-    """What a stiffness law declares. Raises InputError for a name without a law, and for a law of Python only."""
+    """The declarations of a stiffness law. Raises InputError for a name without a law, and for a law of Python only."""
     from stickslip.contact.stiffness.registry import stiffness_law, stiffness_law_names
 
     names = tuple(each for each in stiffness_law_names() if each != FRACTAL)
@@ -203,7 +203,7 @@ _HOMES = {
 
 
 def _rejected(try_law: Callable[..., Any], values: Mapping[str, ConstantValue]) -> list[InitErrorDetails]:
-    """What the law itself says against constants of the table."""
+    """The objections of the law itself to constants of the table."""
     try:
         try_law(**values)
     except InputError as error:

@@ -55,7 +55,7 @@ class ContactLawKeys(Section):
             return None
 
         def try_law(**values: Any) -> None:
-            """The law of one pair that is the whole face; 1 stands for what only the joint will know."""
+            """The law of one pair that is the whole face; 1 replaces constants that only the joint has."""
             import numpy as np
 
             from stickslip.contact.law.registry import contact_law
@@ -80,7 +80,7 @@ class ContactLawKeys(Section):
 
     @property
     def declaration(self) -> Declaration:
-        """What the law declares."""
+        """The declarations of the law."""
         return contact_law_declaration(self.law or COULOMB)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 from stickslip.case import toml_text as case_file
-from stickslip.case.case import Case, parts_of_key
+from stickslip.case.case import Case
 from stickslip.case.consistency import RANGE_KEYS
 from stickslip.case.law_constants import TABLE_FILE
 from stickslip.case.scatter_text import central_sentences, split_scatter
@@ -69,7 +69,7 @@ def has_range(case: Case) -> bool:
 
 def _may_scatter(path: tuple[str, ...]) -> bool:
     """Whether a key of the file may have a distribution: a quantity, a count or a choice, or a constant of a law."""
-    section, _, table, key = parts_of_key(".".join(path))
+    section, _, table, key = Case.parts_of_key(".".join(path))
     if table:
         return key != TABLE_FILE
     if key not in Case.allowed_keys().get(section, ()):

@@ -41,6 +41,19 @@ Acceleration = Annotated[
 AnyRatio = Annotated[float, Quantity("pure number", at_least=-10.0, at_most=10.0)]
 # In the unit of the mesh file.
 Temperature = Annotated[float, Quantity("pure number", at_least=-1e5, at_most=1e5)]
+# A vacuum chamber has 1e-9 Pa and the deepest sea 110 MPa; autofrettage of gun barrels reaches 1 GPa.
+Pressure = Annotated[
+    float,
+    Quantity(
+        "pressure",
+        shown="MPa",
+        at_least=-1e11,
+        at_most=1e11,
+        usual=(-1e7, 2e9),
+        unit_required="Pa and MPa differ by a factor of a million.",
+        example='"2 MPa"',
+    ),
+]
 # Balancing grade G 0.4 of a dental drill leaves 1e-10 kg m, a ship's propeller has 1 kg m.
 Imbalance = Annotated[float, Quantity("unbalance", at_least=1e-18, at_most=1e6, example='"2e-6 kg m"')]
 
@@ -288,6 +301,22 @@ class StaticLoadSection(NodeGroupSection):
     force: Force = Field(description="total over the set")
 
 
+class GravitySection(Section):
+    """Weight of all bodies and mass points of the mesh, for a solved preload."""
+
+    acceleration: Acceleration = Field(default=9.80665, description="of gravity")
+    direction: Direction = Field(description="[x, y, z] downwards, in the axes of the mesh, any length")
+
+
+class PressureSection(Section):
+    """A uniform pressure on a face of the mesh, for a solved preload."""
+
+    set: Annotated[str, Required("is missing. Give the name of a face set.")] = Field(
+        description="face set, or node set that contains whole element sides", examples=["cover"]
+    )
+    pressure: Pressure = Field(description="towards the body; below 0: suction", examples=["2 MPa"])
+
+
 class TieSection(Section):
     """Nodes of one set that follow the nearest points of a face, without friction, sliding or opening."""
 
@@ -302,9 +331,43 @@ class TieSection(Section):
     )
 
 
+class SectorRotationSection(Section):
+    """Constant rotation of a disk about its axis: stress stiffening and spin softening."""
+
+    foreign: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("axis", "point"), "is that of the disk, from its boundaries. Remove it."),
+        "coriolis": "belongs to a mesh of the full ring: a sector has no Coriolis forces. Remove it.",
+        "top_speed": "belongs to two blades and to a mesh: a sector is reduced at each speed. Remove it.",
+    }
+
+    speed: RotationSpeed = Field(description="revolutions per minute or rad/s", examples=["3000 rpm"])
+
+
 class RotationSection(Section):
-    """Constant rotation of the complete model: the centrifugal load of all bodies, for a solved preload."""
+    """Constant rotation of the complete model: stress stiffening, spin softening, and for a solved preload the
+    centrifugal load of all bodies."""
+
+    foreign: ClassVar[Mapping[str, str]] = {
+        "coriolis": 'belongs to a structure of kind "mesh"; the model of two blades has no Coriolis forces. Remove it.'
+    }
 
     speed: RotationSpeed = Field(description="revolutions per minute or rad/s")
     axis: Direction = Field(description="[x, y, z] along the axis")
     point: Place = Field(default=(0.0, 0.0, 0.0), description="on the axis")
+    top_speed: RotationSpeed | None = Field(
+        default=None,
+        description="one reduction for all speeds up to this one, for a sweep over speed; default: one at speed",
+        examples=["9000 rpm"],
+    )
+
+
+class MeshRotationSection(RotationSection):
+    """Constant rotation of the complete model: stress stiffening, spin softening, and for a solved preload the
+    centrifugal load of all bodies."""
+
+    foreign: ClassVar[Mapping[str, str]] = {}
+
+    coriolis: bool = Field(
+        default=False,
+        description="with Coriolis forces; then without stability, ridges, nonlinear modes and gradients",
+    )

@@ -34,7 +34,7 @@ Stiffness = Annotated[
 ]
 # Buildings sway at 0.1 Hz, micromechanical resonators reach 1e9 Hz.
 Frequency = Annotated[float, Quantity("frequency", at_least=1e-6, at_most=1e12, usual=(1e-2, 1e9))]
-# Gels have 1 kPa, diamond 1.2 TPa (Callister, Materials Science and Engineering); more serves as a rigid body.
+# Gels have 1 kPa, diamond 1.2 TPa (Callister, Materials Science and Engineering); more acts as a rigid body.
 YoungModulus = Annotated[float, Quantity("pressure", shown="GPa", at_least=1e3, at_most=1e16)]
 # Foams endure 10 kPa, whiskers 20 GPa.
 Strength = Annotated[
@@ -47,7 +47,7 @@ FatigueLimit = Annotated[
 TensileStrength = Annotated[
     Strength | None, Field(description="ultimate strength, for the Goodman check", examples=["1000 MPa"])
 ]
-# Aerogels have 1 kg/m^3, osmium 22,590 kg/m^3; less serves as a body without mass, more as a lumped one.
+# Aerogels have 1 kg/m^3, osmium 22,590 kg/m^3; less acts as a body without mass, more as a lumped one.
 Density = Annotated[float, Quantity("density", at_least=1e-6, at_most=1e9)]
 PoissonRatio = Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)]
 # Rubber on dry glass reaches 3 or 4, clean metals in vacuum more; 1e-9 is practically no friction.

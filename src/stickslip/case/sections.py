@@ -358,3 +358,13 @@ class OutputSection(Section):
     stress: bool = Field(
         default=True, description="stress at the peak, on the page and for ParaView; structures with a mesh"
     )
+    frd: bool = Field(
+        default=False, description="displacement and stress at the peak as peak.frd of CalculiX; needs stress"
+    )
+
+    @field_validator("frd")
+    @classmethod
+    def _contains_the_stress(cls, value: bool, info: ValidationInfo) -> bool:
+        if value and info.data.get("stress") is False:
+            raise InputError("is true, and the file contains the stress, but stress is false. Set stress = true.")
+        return value

@@ -62,7 +62,7 @@ def quantity_of(section: type[BaseModel], key: str) -> Quantity | None:
 
 
 def metadata_of(section: type[BaseModel], key: str) -> list[Any]:
-    """What annotates the values of a key, also of an optional one."""
+    """The annotations of the values of a key, also of an optional one."""
     field = section.model_fields[key]
     inner = [entry for kind in get_args(field.annotation) for entry in getattr(kind, "__metadata__", ())]
     return [*field.metadata, *inner]

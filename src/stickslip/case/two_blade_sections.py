@@ -23,6 +23,7 @@ from stickslip.case.quantities import (
 )
 from stickslip.case.section import Section, instead_of, of_kind, without_default
 from stickslip.case.sections import STRUCTURE_KINDS, FrictionSection, PreloadSection, StructureSection
+from stickslip.contact.constants import Declaration
 from stickslip.core.errors import InputError
 from stickslip.core.units import Quantity
 
@@ -224,6 +225,11 @@ class DamperFrictionSection(FrictionSection):
     def other_law(self) -> str | None:
         """The name of a law other than Coulomb's."""
         return None if self.law == COULOMB else self.law
+
+    @property
+    def declaration(self) -> Declaration:
+        """What the law declares."""
+        return contact_law_declaration(self.law or COULOMB)
 
 
 class WedgePreloadSection(PreloadSection, _WedgeKeys):

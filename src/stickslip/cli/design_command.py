@@ -93,7 +93,7 @@ def _close(result: Design, quiet: bool) -> None:
     if not quiet:
         for file in result.files:
             echo(f"Wrote {file}")
-        echo(f"{len(result.evaluations)} designs; {result.solved} cases solved, {result.found} from an earlier run.")
+        echo(f"{len(result.evaluations)} designs; {result.solved} cases solved, {result.reused} from an earlier run.")
     best = result.optimum
     if best is None:
         echo(result.remarks[0], err=True)

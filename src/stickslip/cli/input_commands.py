@@ -72,17 +72,17 @@ def fit(
             require_folder(out)
         from stickslip.cli import measured_loops
 
-        found = measured_loops.fit_file(path, normal_load)
-        other = measured_loops.predicted_rows(found, predict)
-        print_rows(measured_loops.rows(found))
-        for sentence in found.warnings:
+        fit = measured_loops.fit_file(path, normal_load)
+        other = measured_loops.predicted_rows(fit, predict)
+        print_rows(measured_loops.rows(fit))
+        for sentence in fit.warnings:
             echo(f"Warning: {sentence}")
-        for file in measured_loops.write(out, found) if out is not None else ():
+        for file in measured_loops.write(out, fit) if out is not None else ():
             echo(f"Wrote {file}")
         if other:
             echo(f"\nAt a normal load of {predict}, with the same friction coefficient, stiffness and backlash:")
             print_rows(other)
-        echo(f"\nFor the study file:\n{measured_loops.study_lines(found)}")
+        echo(f"\nFor the study file:\n{measured_loops.study_lines(fit)}")
 
 
 def import_model(

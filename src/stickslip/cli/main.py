@@ -1,6 +1,6 @@
 """The command line: ``stickslip new | check | run | sweep | band | design | report | compare | export | fit | ...``.
 
-Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted,
+Exit codes: 0 done, 1 defect of the program, 2 bad input, 3 not converged (computed results remain), 130 interrupted,
 128 + n stopped by signal n. Large packages are imported inside the commands, so that ``stickslip --help`` answers at
 once.
 """
@@ -354,7 +354,7 @@ def paper(
         if not quiet:
             echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
             words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())
-            echo(f"{outcome.curves} curves, {outcome.found} of them from an earlier run. Claims: {words}.")
+            echo(f"{outcome.curves} curves, {outcome.reused} of them from an earlier run. Claims: {words}.")
         for failure in outcome.failures[:SHOWN_FAILURES]:
             echo(f"Failed: {failure.setting}: {failure.message}", err=True)
         if outcome.failures:

@@ -1,4 +1,4 @@
-"""What the commands that solve a study file, or many cases of it, have in common."""
+"""Common parts of the commands that solve a study file, or many cases of it."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def close_cases(result: Sweep | Band, quiet: bool, cases: str) -> None:
     if not quiet:
         for file in result.files:
             echo(f"Wrote {file}")
-        echo(f"{count} {cases}, {result.found} of them from an earlier run; {len(failed)} failed.")
+        echo(f"{count} {cases}, {result.reused} of them from an earlier run; {len(failed)} failed.")
         for remark in result.remarks:
             echo(remark)
     for row in failed[:SHOWN_FAILURES]:

@@ -130,13 +130,13 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
     persson, fractal = persson_law(roughness, FACE_AREA), law_of_roughness(roughness, FACE_AREA, "fractal")
     table = []
     for pressure in PRESSURES:
-        found = compared(fractal, persson, pressure)
-        low, high = (1e-9 * end for end in found.band)
+        laws = compared(fractal, persson, pressure)
+        low, high = (1e-9 * end for end in laws.band)
         table.append(
             (
                 f"{1e-6 * pressure:g} MPa",
-                f"Persson {1e-9 * found.persson:.3g} N/mm3 (believable {low:.3g} to {high:.3g}), fractal "
-                f"{1e-9 * found.chosen:.3g} N/mm3, {found.ratio:.3g} of it",
+                f"Persson {1e-9 * laws.persson:.3g} N/mm3 (believable {low:.3g} to {high:.3g}), fractal "
+                f"{1e-9 * laws.chosen:.3g} N/mm3, {laws.ratio:.3g} of it",
             )
         )
     return table

@@ -1,4 +1,4 @@
-"""What several commands read and print in the same form."""
+"""Options and output that several commands have in the same form."""
 
 from __future__ import annotations
 

@@ -48,16 +48,39 @@ def compare(
 
 def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
-    to: Annotated[str, typer.Option("--to", help="csv (a folder of files), xlsx or mat.")] = "csv",
+    to: Annotated[str, typer.Option("--to", help="csv (a folder of files), xlsx, mat, or vtu (contact).")] = "csv",
     out: Annotated[
         Path | None, typer.Option("--out", metavar="PATH", help="File or folder; default DIR/tables.")
+    ] = None,
+    frequency: Annotated[
+        str | None, typer.Option("--frequency", metavar="VALUE", help='vtu: "450 Hz"; default the highest peak.')
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
     debug: Debug = False,
 ) -> None:
-    """Write every table of a solved study as CSV, Excel or MATLAB."""
+    """Write every table of a solved study as CSV, Excel or MATLAB, or its contact pairs for ParaView."""
     with error_messages(debug):
-        from stickslip.study.export import export_tables
+        from stickslip.core.validation import require_choice
+        from stickslip.results.table_files import FORMATS
+        from stickslip.study.export import export_contact, export_tables
 
+        require_choice("to", to, (*FORMATS, "vtu"))
+        if to == "vtu":
+            echo(f"Wrote {export_contact(folder, _hertz(frequency), out, force)}")
+            return
+        if frequency is not None:
+            raise InputError(f'--frequency belongs to --to vtu, but --to is "{to}". Remove it.')
         for file in export_tables(folder, to, out, force):
             echo(f"Wrote {file}")
+
+
+def _hertz(text: str | None) -> float | None:
+    """The frequency of an option in Hz. Raises InputError."""
+    from stickslip.core.units import Quantity
+
+    if text is None:
+        return None
+    try:
+        return Quantity("frequency", above=0.0, unit_required="A frequency needs its unit.").parse(text)
+    except InputError as error:
+        raise InputError(f'--frequency "{text}" {error}') from error

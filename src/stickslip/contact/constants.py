@@ -1,4 +1,4 @@
-"""What a law declares of its constants, so that a study file can give them: unit, size and who shares them.
+"""Declarations of the constants of a law, with which study files give them: unit, size, and for which pairs.
 
 A law is a dataclass; ``field(metadata=constant("N/m", of_face=True))`` declares a constant. This module loads no
 numerical package: study files are read without them.
@@ -57,17 +57,17 @@ def constant(
     is_table: bool = False,
     description: str = "",
 ) -> dict[str, Any]:
-    """Metadata of a dataclass field: what a study file may say of this constant of a law.
+    """Metadata of a dataclass field: the form of this constant of a law in study files.
 
     Parameters
     ----------
     unit:
         SI unit of the value, such as "N/m"; "" for a pure number.
     of_face:
-        True for the value of a whole face, which its pairs share by area (stiffness, force): the law gets (p,) or
+        True for the value of a whole face, distributed over its pairs by area (stiffness, force): the law gets (p,) or
         (p, components). False for a value that is the same for each pair: the law gets it as it is, one number.
     components:
-        how many values a list may have instead of one number: 3 along t1, t2, n, or 2 along t1, t2.
+        number of values that a list may have instead of one number: 3 along t1, t2, n, or 2 along t1, t2.
     is_switch:
         True for true or false.
     is_table:
@@ -106,18 +106,23 @@ class Declaration:
         """Whether the joint must give one of these values."""
         return any(name in self.of_joint and name not in self.optional for name in names)
 
+    @property
+    def follows_load(self) -> bool:
+        """Whether the joint gives the law its normal load and all else, so that each load makes another law."""
+        return NORMAL_LOAD in self.of_joint and not self.constants
+
     def words(self) -> str:
         """All constants with their units, for a sentence."""
         return ", ".join(each.words(name) for name, each in self.constants.items()) or "none"
 
 
 def declaration_of(maker: Callable[..., Any]) -> Declaration:
-    """What a contact law declares. Raises InputError where a study file cannot make it."""
+    """The declarations of a contact law. Raises InputError if a study file cannot create it."""
     return _declaration(maker, OF_JOINT, lambda field: None)
 
 
 def stiffness_declaration_of(maker: Callable[..., Any]) -> Declaration:
-    """What a stiffness law declares; a plain ``float`` without a declaration is a number in SI units.
+    """The declarations of a stiffness law; a plain ``float`` without a declaration is a number in SI units.
 
     Raises InputError where a study file cannot make it.
     """
@@ -138,13 +143,13 @@ def _declaration(
     for field in fields(maker):
         if not field.init:
             continue
-        found = field.metadata.get(_KEY) or (None if field.name in of_joint else undeclared(field))
+        declared = field.metadata.get(_KEY) or (None if field.name in of_joint else undeclared(field))
         has_default = field.default is not MISSING or field.default_factory is not MISSING
         if has_default:
             optional.add(field.name)
-        if found is not None:
-            _require_si(field.name, found)
-            constants[field.name] = found
+        if declared is not None:
+            _require_si(field.name, declared)
+            constants[field.name] = declared
         elif field.name in of_joint:
             of_joint_found.append(field.name)
         elif not has_default:
@@ -157,9 +162,9 @@ def _declaration(
     return Declaration(constants, tuple(of_joint_found), frozenset(optional))
 
 
-def _require_si(name: str, found: Constant) -> None:
+def _require_si(name: str, declared: Constant) -> None:
     """Raise InputError for a declared unit that is no SI unit: a plain number of a file is in SI units."""
-    if found.quantity is not None and not found.quantity.is_si:
+    if declared.quantity is not None and not declared.quantity.is_si:
         raise InputError(
-            f'can be used from Python only: it declares {name} in "{found.unit}", which is not a product of SI units.'
+            f'can be used from Python only: it declares {name} in "{declared.unit}", which is no product of SI units.'
         )

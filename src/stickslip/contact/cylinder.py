@@ -35,7 +35,7 @@ def squeezed_line_loads(force: float, angles: tuple[float, float], friction: flo
 
 
 def holding_friction(angles: tuple[float, float]) -> float:
-    """Friction coefficient from which the platforms hold the cylinder without any force F, cot((a + b) / 2)."""
+    """Friction coefficient from which the platforms clamp the cylinder without any force F, cot((a + b) / 2)."""
     return 1.0 / tan(0.5 * sum(angles)) if sum(angles) < pi else 0.0
 
 

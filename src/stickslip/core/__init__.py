@@ -1,1 +1,1 @@
-"""What all rooms share: errors, checks of values, units, Fourier matrices, files, threads, progress."""
+"""Common parts of all rooms: errors, checks of values, units, Fourier matrices, files, threads, progress."""

@@ -28,7 +28,7 @@ def python_command(code: str) -> list[str]:
 
 @contextmanager
 def safe_path() -> Iterator[None]:
-    """Make processes that ``multiprocessing`` starts in the block leave out the current folder too.
+    """Make processes that ``multiprocessing`` starts in the block omit the current folder too.
 
     They too begin with ``python -c``, but without options; later they take the module search path of this process.
     """

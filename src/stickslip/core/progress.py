@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
 
-REMINDER_SECONDS = 30.0  # chosen: a user takes a longer silence for a hang
+REMINDER_SECONDS = 30.0  # chosen: to a user a longer silence looks like an endless loop
 REMINDER_FRACTION = 0.02  # of the time of the stage so far: about 50 lines, however long it runs
 
 # A part of a computation calls it with its finished fraction and a message.

@@ -14,9 +14,9 @@ T = TypeVar("T")
 
 @cache
 def _offered(group: str) -> Mapping[str, EntryPoint]:
-    """The entry points of a group by name, of the packages that were installed when the program first asked.
+    """The entry points of a group by name, of the packages that were installed at the first request of the program.
 
-    To search all packages takes 30 ms, and the validation of one study asks about 25 times.
+    To search all packages takes 30 ms, and the validation of one study needs them about 25 times.
     """
     return {point.name: point for point in entry_points(group=group)}
 

@@ -22,7 +22,7 @@ FEWEST_ROWS = 1000
 
 
 class Helpers(NamedTuple):
-    """The threads beside that of the solver, and how many they are."""
+    """The threads beside that of the solver, and their number."""
 
     pool: Executor
     threads: int

@@ -66,7 +66,7 @@ class Quantity:
     kind:
         a key of ``KINDS``, or words of its own with a ``unit``.
     shown:
-        unit of written study files; the SI unit if left out.
+        unit of written study files; by default the SI unit.
     above, below:
         exclusive bounds; ``at_least``, ``at_most``: inclusive bounds. A nonzero value must not be below ``NEGLIGIBLE``
         in size either.

@@ -21,6 +21,7 @@ Step = Literal["frequency", "matrices"]
 BRICKS = ("C3D8I", "C3D8")
 # Element types of CalculiX for our other kinds of cells. Its node order is that of VTK for all of them.
 ELEMENT_TYPES = {"hexahedron20": "C3D20", "tetra": "C3D4", "tetra10": "C3D10", "wedge": "C3D6", "wedge15": "C3D15"}
+_MOST_CHARACTERS = 20  # of a number
 # Stresses 11, 22, 33, 12, 13, 23 of CalculiX in the order xx, yy, zz, xy, yz, zx of an elastic matrix.
 _CALCULIX_ORDER = [0, 1, 2, 3, 5, 4]
 
@@ -104,7 +105,7 @@ def write_calculix_deck(
 def _mesh_lines(mesh: Mesh, blocks: Sequence[tuple[str, IntArray]], types: Sequence[str]) -> Iterator[str]:
     yield "*NODE, NSET=all_nodes"
     for number, (x, y, z) in enumerate(mesh.points.tolist(), start=1):
-        yield f"{number}, {x!r}, {y!r}, {z!r}"
+        yield f"{number}, {_number(x)}, {_number(y)}, {_number(z)}"
     first = 0
     for (_, cells), name in zip(blocks, types, strict=True):
         body = mesh.body[first : first + len(cells)]
@@ -125,6 +126,12 @@ def _set_lines(mesh: Mesh, fixed: IntArray) -> Iterator[str]:
         yield from _wrapped(fixed + 1)
         yield "*BOUNDARY"
         yield "clamped, 1, 3"
+
+
+def _number(value: float) -> str:
+    """Every digit of a number, or those that CalculiX reads: it truncates after 20 characters, also an exponent."""
+    exact = repr(float(value))
+    return exact if len(exact) <= _MOST_CHARACTERS else f"{value:.13e}"
 
 
 def _wrapped(numbers: Iterable[int]) -> Iterator[str]:
@@ -148,16 +155,15 @@ def _material_lines(materials: Sequence[Material]) -> Iterator[str]:
         yield f"*MATERIAL, NAME=material_{number}"
         if material.elastic is None:
             yield "*ELASTIC"
-            yield f"{material.young_modulus!r}, {material.poisson_ratio!r}"
+            yield f"{_number(material.young_modulus)}, {_number(material.poisson_ratio)}"
         else:
             # D1111, D1122, D2222, D1133 ...: the upper triangle column by column, in the order 11, 22, 33, 12, 13, 23
             matrix = material.elastic_matrix()[np.ix_(_CALCULIX_ORDER, _CALCULIX_ORDER)]
-            # CalculiX reads 20 characters of a number
-            values = [f"{matrix[row, column]:.12e}" for column in range(6) for row in range(column + 1)]
+            values = [_number(matrix[row, column]) for column in range(6) for row in range(column + 1)]
             yield "*ELASTIC, TYPE=ANISOTROPIC"
             yield from (", ".join(values[at : at + 8]) for at in range(0, 24, 8))
         yield "*DENSITY"
-        yield f"{material.density!r}"
+        yield _number(material.density)
         yield f"*SOLID SECTION, ELSET=body_{number}, MATERIAL=material_{number}"
 
 

@@ -13,12 +13,12 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.input_files import read_input
+from stickslip.core.short_repr import short_repr
 from stickslip.core.units import Quantity
 from stickslip.core.validation import FloatArray
 
 LARGEST_PROFILE = 200_000_000  # bytes: some 10 million points, where instruments write 10 to 100 thousand
-SPACING_TOLERANCE = 0.01  # of one spacing: files hold rounded positions
-MOST_BYTES = 100_000_000  # two million points, twenty times as many as a fit allows
+SPACING_TOLERANCE = 0.01  # of one spacing: files contain rounded positions
 # Heights and distances from atoms to mountains: squares of values outside would overflow or underflow.
 HEIGHT_LIMIT, POSITION_LIMIT = 1e4, 1e9  # m
 SPACING_RANGE = (1e-12, 1e4)  # m
@@ -34,6 +34,8 @@ class Profile:
     heights: FloatArray  # (n,) m
     spacing: float  # m
     units: tuple[str, str]  # of position and height, from the file or the caller
+
+    __repr__ = short_repr
 
 
 def read_profile(

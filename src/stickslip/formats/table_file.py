@@ -25,7 +25,7 @@ def read_table(path: str, columns: Mapping[str, Quantity], entry: str) -> dict[s
     wanted = "The first line names the columns, " + ", ".join(
         f"{name} [{quantity.si_unit}]" if quantity.si_unit else name for name, quantity in columns.items()
     )
-    wanted += "; each further line holds their numbers."
+    wanted += "; each further line contains their numbers."
     try:
         text = read_input(Path(path), wanted, LARGEST_TABLE).decode("utf-8-sig")
     except InputError as error:
@@ -57,20 +57,22 @@ def _units(
     words: list[str], columns: Mapping[str, Quantity], where: str, wanted: str, entry: str
 ) -> list[tuple[str, str]]:
     """Name and unit of each column of a file, from its first line."""
-    found: list[tuple[str, str]] = []
+    headings: list[tuple[str, str]] = []
     for number, word in enumerate(words, start=1):
         match = _HEADING.fullmatch(word)
         name, unit = ("", "") if match is None else (match[1], match[2] or "")
-        if name not in columns or name in dict(found):
+        if name not in columns or name in dict(headings):
             # Without the words of the file: it may be another file than this study is allowed to show.
-            wrong = f"{name} is there twice" if name in dict(found) else f"entry {number} names no column of this table"
+            wrong = (
+                f"{name} is there twice" if name in dict(headings) else f"entry {number} names no column of this table"
+            )
             raise ImportFileError(f"{where}{wrong}. {wanted}", (entry,))
         if columns[name].si_unit and not unit:
             raise ImportFileError(
                 f"{where}{name} has no unit. Write it in brackets, such as {name} [{columns[name].si_unit}].", (entry,)
             )
-        found.append((name, unit))
-    lacking = [name for name in columns if name not in dict(found)]
+        headings.append((name, unit))
+    lacking = [name for name in columns if name not in dict(headings)]
     if lacking:
         raise ImportFileError(f"{where}there is no column {lacking[0]}. {wanted}", (entry,))
-    return found
+    return headings

@@ -48,12 +48,14 @@ def read_topography(path: str | PathLike[str], unit: str | None = None) -> Topog
     SurfaceTopography is not installed.
     """
     source = Path(path)
-    found = _opened(source)
-    if getattr(found, "dim", 0) != 2 or not getattr(found, "is_uniform", False):
+    surface = _opened(source)
+    if getattr(surface, "dim", 0) != 2 or not getattr(surface, "is_uniform", False):
         raise InputError(f"{source}: the file contains no map on an even grid. Give a profile as two columns of text.")
-    scale = _metres(source, found.unit, unit)
-    steps = [scale * float(size) / points for size, points in zip(found.physical_sizes, found.nb_grid_pts, strict=True)]
-    given = np.ma.asarray(found.heights(), dtype=float) * scale
+    scale = _metres(source, surface.unit, unit)
+    steps = [
+        scale * float(size) / points for size, points in zip(surface.physical_sizes, surface.nb_grid_pts, strict=True)
+    ]
+    given = np.ma.asarray(surface.heights(), dtype=float) * scale
     measured = ~np.ma.getmaskarray(given) & np.isfinite(given.filled(np.nan))
     missing = int(measured.size - np.count_nonzero(measured))
     if missing > MOST_MISSING * measured.size:
@@ -63,7 +65,7 @@ def read_topography(path: str | PathLike[str], unit: str | None = None) -> Topog
         )
     heights = given.filled(np.nan)
     if missing:
-        heights = scale * np.asarray(found.interpolate_undefined_data().heights(), dtype=float)
+        heights = scale * np.asarray(surface.interpolate_undefined_data().heights(), dtype=float)
     flat, tilt, form = _without_form(heights, measured)
     return Topography(flat.T.copy(), (steps[1], steps[0]), missing, tilt, form)
 

@@ -70,11 +70,11 @@ class NamedLaw:
 
     @property
     def declared(self) -> Mapping[str, Constant]:
-        """What the law declares of its constants."""
+        """The declarations of the constants of the law."""
         return self.declaration.constants
 
     def of_pairs(self, pairs: FacePairs, members: IntArray, joint: Mapping[str, FloatArray]) -> ContactLaw:
-        """The law of the pairs ``members`` of this face; ``joint`` holds what the joint knows, by name.
+        """The law of the pairs ``members`` of this face; ``joint`` contains the constants of the joint, by name.
 
         Raises InputError that names the key.
         """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from stickslip.case.values import unusual_values
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.exponential import ExponentialContact
 from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.contact.preload import area_fraction, face_sum
@@ -30,6 +31,8 @@ from stickslip.structure.mesh import IntArray
 
 # Pa; chosen: start of the iteration of the contact stiffness where the preload is solved.
 STARTING_PRESSURE = 3e6
+# chosen: between pairs with 1.5 % and ten times the mean pressure, Persson's law has a ratio of 2.
+LARGEST_LENGTH_RATIO = 3.0
 
 
 @dataclass(frozen=True)
@@ -141,8 +144,8 @@ class Joint:
 
     def law_of(self, face: int) -> tuple[NamedLaw, ContactLaw] | None:
         """The law of a face and what the study says of it; None for Coulomb friction."""
-        found = ((named, law) for named, law, _ in self.laws if named.interface == self.face_names[face])
-        return next(found, None)
+        laws = ((named, law) for named, law, _ in self.laws if named.interface == self.face_names[face])
+        return next(laws, None)
 
     def face_sum(self, values: FloatArray) -> FloatArray:
         """Sum of a value of the pairs for each face (n_faces,)."""
@@ -161,7 +164,11 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
     laws = _laws_beside_friction(layout, preload, settings, normal, tangential)
     # The starting pressure of a solved preload gives no warnings; its solution does.
     solved = case.preload.method == "solved"
-    warnings = () if solved else pressure_warnings(layout, preload, settings)
+    warnings = (
+        ()
+        if solved
+        else (*pressure_warnings(layout, preload, settings), *_length_warnings(case, settings, layout, laws))
+    )
     # A pair with a gap closes when it has moved by its gap; before that it has no load. The starting pressure of a
     # solved preload is on all pairs, only for the stiffness of rough faces.
     unloaded = (preload == 0.0) | solved
@@ -175,7 +182,7 @@ def _laws_beside_friction(
     layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings], normal: FloatArray, tangential: FloatArray
 ) -> tuple[tuple[NamedLaw, ContactLaw, IntArray], ...]:
     """The contact laws that faces name, with their pairs. Raises InputError that names the key."""
-    pairs, found = layout.face_pairs, []
+    pairs, of_faces = layout.face_pairs, []
     for face, own in enumerate(settings):
         if own.contact_law is None:
             continue
@@ -189,8 +196,28 @@ def _laws_beside_friction(
         for name, values, value in zip(STIFFNESSES, (normal, tangential), given, strict=True):
             if own.is_pressed or value is not None:
                 joint[name] = values[members]
-        found.append((own.contact_law, own.contact_law.of_pairs(pairs, members, joint), members))
-    return tuple(found)
+        of_faces.append((own.contact_law, own.contact_law.of_pairs(pairs, members, joint), members))
+    return tuple(of_faces)
+
+
+def _length_warnings(
+    case: Case,
+    settings: Sequence[FaceSettings],
+    layout: Layout,
+    laws: Sequence[tuple[NamedLaw, ContactLaw, IntArray]],
+) -> Iterator[str]:
+    """Sentences on faces whose pairs of the exponential law have the same stiffness under very different loads."""
+    for named, law, members in laws:
+        own = settings[layout.face_pairs.face[members[0]]]
+        if not isinstance(law, ExponentialContact) or (own.is_pressed and face_allocation(case, own) == "pressure"):
+            continue
+        if law.length.max() > LARGEST_LENGTH_RATIO * law.length.min():
+            yield (
+                f"{named.interface}: the normal force of its pairs grows by the factor e over "
+                f"{1e6 * law.length.min():.3g} to {1e6 * law.length.max():.3g} um. A rough face has nearly one such "
+                'length: use [roughness] or a stiffness_law with allocation = "pressure", so that the stiffness of '
+                "each pair follows its own load."
+            )
 
 
 def pressure_warnings(
@@ -200,7 +227,7 @@ def pressure_warnings(
 
     ``of_each_pair``: pairs have their own pressure whatever the allocation of the face.
     """
-    pairs, found = layout.face_pairs, []
+    pairs, sentences = layout.face_pairs, []
     for face, own in enumerate(settings):
         law = _own_law(layout, own)
         if law is None or not own.is_pressed:
@@ -209,8 +236,8 @@ def pressure_warnings(
         allocation = "pressure" if of_each_pair or own.pressure_law is None else own.pressure_law.allocation
         pressure = pair_pressure(pairs.area[members], load[members], allocation)
         name = layout.face_names[face]
-        found += [f"{name}: {sentence}" for sentence in law.valid(np.unique(pressure))]
-    return tuple(found)
+        sentences += [f"{name}: {sentence}" for sentence in law.valid(np.unique(pressure))]
+    return tuple(sentences)
 
 
 def describe_faces(
@@ -236,10 +263,12 @@ def pair_springs(
     preload: FloatArray,
     settings: Sequence[FaceSettings],
     laws: Mapping[int, StiffnessLaw] | None = None,
+    of_each_pair: bool = False,
 ) -> tuple[FloatArray, FloatArray]:
     """Normal and tangential stiffness (n_pairs,) in N/m under the loads ``preload`` (n_pairs,) in N.
 
-    ``laws`` are those of some faces, in place of their own. Raises RoughnessError where the roughness gives no usable
+    ``laws`` are those of some faces, in place of their own. ``of_each_pair``: pairs have their own pressure whatever
+    the allocation of the face. Raises RoughnessError where the roughness gives no usable
     contact.
     """
     pairs = layout.face_pairs
@@ -255,7 +284,7 @@ def pair_springs(
         law = (laws or {}).get(face) or face_law(case, layout, face, own)
         with concerning(*_stiffness_keys(case, own)):
             normal[members], tangential[members] = springs_of_pairs(
-                law, pairs.area[members], preload[members], face_allocation(case, own)
+                law, pairs.area[members], preload[members], "pressure" if of_each_pair else face_allocation(case, own)
             )
             _require_possible(layout.face_names[face], float(normal[members].sum()), float(tangential[members].sum()))
     return normal, tangential

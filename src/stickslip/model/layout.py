@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
@@ -16,9 +16,11 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import BaseMotion
 from stickslip.structure.elasticity import Material, Structure
 from stickslip.structure.mesh import IntArray
+from stickslip.structure.rotating import RotatingBodies
 from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.superelement import Superelement
 
+AnyStructure = Structure | RotatingBodies | Superelement | SectorStructure
 Direction = tuple[float, float, float]
 Derived = tuple[str, str | float | int, str, str]
 
@@ -100,8 +102,9 @@ class Layout:
         (first, second) material of each face; the roughness law needs both.
     ports:
         name -> nodes of a force or a response.
-    body_load:
-        (3 * n_nodes,) N of the whole mesh at a rotation of 1 rad/s, or None where nothing rotates.
+    unit_loads:
+        section of a distributed static load -> (3 * n_nodes, k) N of the whole mesh for each unit of its sizes: a
+        rotation of 1 rad/s, a gravity of 1 m/s2 along x, y, z, a pressure of 1 Pa.
     base_inertia:
         (3 * n_nodes, 3) kg, the force on the whole mesh that resists an acceleration of 1 m/s2 along x, y, z, or None
         where the support does not move.
@@ -117,13 +120,15 @@ class Layout:
         values of the structure that only a wrong unit explains.
     line_width:
         m, of the strip that each contact line stands for; None where the bodies touch on faces.
+    file_numbers:
+        (n_nodes,) and (n_cells,) numbers of nodes and cells in the mesh file; None without a file.
     """
 
     face_pairs: FacePairs
     face_names: tuple[str, ...]
     face_materials: tuple[tuple[Material, Material], ...]
     node_groups: Mapping[str, NodeGroup]
-    body_load: FloatArray | None = None
+    unit_loads: Mapping[str, FloatArray] = field(default_factory=dict)
     base_inertia: FloatArray | None = None
     facts: tuple[Derived, ...] = ()
     messages: tuple[str, ...] = ()
@@ -131,6 +136,7 @@ class Layout:
     contact_sets: tuple[tuple[str, ...], ...] = ()
     odd_values: tuple[OddValue, ...] = ()
     line_width: float | None = None
+    file_numbers: tuple[IntArray, IntArray] | None = None
 
     @cached_property
     def boundary_nodes(self) -> IntArray:
@@ -145,7 +151,7 @@ class Setup(Protocol):
     @property
     def layout(self) -> Layout: ...
 
-    def assemble(self) -> Structure | Superelement | SectorStructure:
+    def assemble(self) -> AnyStructure:
         """The matrices; for small matrices a superelement. Raises InputError."""
 
     def sizes(self) -> tuple[tuple[str, str], ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import reduce
 from operator import add
 from typing import Any
@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.case.case import Case, CyclicCase, MatrixCase, MeshCase, TwoBladeCase
-from stickslip.case.sections import DampingSection
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import keys_of_section
 from stickslip.core.plausible import suspecting
 from stickslip.core.progress import ProgressCallback
@@ -24,21 +22,13 @@ from stickslip.model.kinds.kind import Kind
 from stickslip.model.kinds.matrices import MatrixKind
 from stickslip.model.kinds.mesh import MeshKind
 from stickslip.model.kinds.two_blade import TwoBladeKind
-from stickslip.model.layout import Layout, NodeGroup, Setup
+from stickslip.model.layout import AnyStructure, Layout, Setup
 from stickslip.model.solved_preload import SolvedPreload, resting_joint, solve_preload
+from stickslip.model.study_structure import ReducedStructure, StudyStructure, study_structure
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic.damping import rayleigh_damping_matrix
-from stickslip.structure.cache import cached_superelement
-from stickslip.structure.craig_bampton import ReductionRow, craig_bampton
-from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.elasticity import Structure
-from stickslip.structure.factor import best_backend
-from stickslip.structure.recovery import reduced_load
-from stickslip.structure.sector_structure import SectorStructure
+from stickslip.structure.substructure import Substructure
 from stickslip.structure.superelement import Superelement
-
-Substructure = Superelement | CyclicSector
-AnyStructure = Structure | Superelement | SectorStructure
 
 # Class of the cases of a kind -> the kind; a further kind is one more file in ``kinds`` and one more line here.
 KINDS: dict[type[Case], Kind[Any]] = {
@@ -55,39 +45,10 @@ def kind_of(case: Case) -> Kind[Any]:
 
 
 @dataclass(frozen=True)
-class ReducedStructure:
-    """A structure after reduction, common to all cases with the same structure and layout.
-
-    substructure:
-        the matrices: a superelement, or a sector of a disk.
-    ports:
-        name -> (3, n) rows of the displacement x, y, z of a node group; their transposes apply a force to the unknowns.
-    body_load:
-        (n,) N of the bodies at a rotation of 1 rad/s.
-    base_inertia:
-        (n, 3) kg, the force that resists an acceleration of the support of 1 m/s2 along x, y, z; None if it is fixed.
-    mode_table:
-        frequencies of the full and the reduced model with every pair closed, if the study compares them.
-    """
-
-    substructure: Substructure
-    node_groups: Mapping[str, FloatArray]
-    body_load: FloatArray
-    base_inertia: FloatArray | None = None
-    mode_table: tuple[ReductionRow, ...] = ()
-
-    def without_recovery(self) -> ReducedStructure:
-        """Without what only the motion of the mesh requires, to send it to a worker."""
-        if isinstance(self.substructure, CyclicSector):
-            return replace(self, substructure=self.substructure.without_modes())
-        return replace(self, substructure=replace(self.substructure, recovery=None))
-
-
-@dataclass(frozen=True)
 class ReducedModel:
     """Data to solve one case and to describe it, without the mesh and its matrices.
 
-    ``outputs`` are rows (n,); ``static_load`` (n,) N are the constant forces and the load of rotation; if the preload
+    ``outputs`` are rows (n,); ``static_load`` (n,) N are the constant forces and distributed loads; if the preload
     was solved from them, ``preload`` contains the state at rest, and ``joint`` and ``pairs`` are those of this state.
     Cases with other joints or forces share the ``reduced`` structure. The unknowns of a sector are those of this sector
     and of the next one.
@@ -106,9 +67,7 @@ class ReducedModel:
     @property
     def superelement(self) -> Superelement:
         """The matrices of a structure. Raises InputError for a sector of a disk, which has no single ones."""
-        if isinstance(self.substructure, CyclicSector):
-            raise self.substructure.no_structure()
-        return self.substructure
+        return self.substructure.require_structure()
 
 
 @dataclass(frozen=True)
@@ -116,6 +75,11 @@ class Model(ReducedModel):
     """Data to solve one case and to show it."""
 
     structure: AnyStructure
+
+    @property
+    def in_study(self) -> StudyStructure:
+        """The structure before its reduction, of any kind."""
+        return study_structure(self.structure)
 
 
 def set_up(case: Case) -> Setup:
@@ -148,54 +112,9 @@ def reduce_structure(
     threads: int = 1,
     progress: ProgressCallback | None = None,
 ) -> ReducedStructure:
-    """The structure in the unknowns of its contact nodes, its groups of one node and a few modes.
-
-    An earlier reduction is read from the disk.
-    """
-    if isinstance(structure, SectorStructure):
-        with suspecting(odd_values(case, layout)), keys_of_section("reduction", {"n_modes": "modes"}):
-            sector = structure.reduced(layout.boundary_nodes, case.reduction.modes, threads, progress)
-        rows = {name: sector_rows(sector, each) for name, each in layout.node_groups.items()}
-        return ReducedStructure(sector, rows, np.zeros(2 * sector.size))
-    if isinstance(structure, Superelement):
-        superelement = structure
-    else:
-        nodes, n_modes = layout.boundary_nodes, case.reduction.modes
-        backend = best_backend(structure.stiffness.shape[0])
-        odd = odd_values(case, layout)
-        with suspecting(odd), keys_of_section("reduction", {"n_modes": "modes"}):
-            superelement = cached_superelement(
-                structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
-            )
-    body_load = (
-        np.zeros(superelement.size) if layout.body_load is None else reduced_load(superelement, layout.body_load)
-    )
-    inertia = None if layout.base_inertia is None else reduced_load(superelement, layout.base_inertia)
-    return ReducedStructure(superelement, node_group_rows(superelement, layout), body_load, inertia)
-
-
-def node_group_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
-    """Name -> (3, n) rows of the mean displacement x, y, z of a node group."""
-    return {name: _rows_of(superelement, node_group) for name, node_group in layout.node_groups.items()}
-
-
-def sector_rows(sector: CyclicSector, node_group: NodeGroup) -> FloatArray:
-    """(3, 2n) rows of the mean displacement x, y, z of nodes of a sector, in its own axes."""
-    assert sector.symmetry is not None  # that of cyclic_sector
-    rows = np.zeros((3, 2 * sector.size))
-    home, ahead = sector.symmetry.homes(node_group.nodes)
-    for node, is_ahead, weight in zip(home, ahead, node_group.weights, strict=True):
-        rows += weight * np.array([sector.selector(int(node), axis, of_next=bool(is_ahead)) for axis in np.eye(3)])
-    return rows
-
-
-def _rows_of(superelement: Superelement, node_group: NodeGroup) -> FloatArray:
-    if node_group.blocks is None and np.isin(node_group.nodes, superelement.boundary_nodes).all():
-        rows = np.zeros((3, superelement.size))
-        for node, share in zip(node_group.nodes, node_group.weights, strict=True):
-            rows[np.arange(3), superelement.unknowns_of(int(node))] += share
-        return rows
-    return reduced_load(superelement, node_group.unit_loads(superelement.recovery.shape[0])).T
+    """The structure in the unknowns of its contact nodes, its groups of one node and a few modes. Raises InputError."""
+    with suspecting(odd_values(case, layout)), keys_of_section("reduction", {"n_modes": "modes"}):
+        return study_structure(structure).reduced(layout, case.reduction.modes, threads, progress)
 
 
 def build_model(
@@ -222,49 +141,38 @@ def build_model(
 def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel:
     """Connect joint, damping, forces and outputs of a case to a reduced structure, which may belong to several
     cases."""
-    substructure, kind = reduced.substructure, kind_of(case)
-    if case.damping.modal_damping_ratio is None:
-        substructure = _with_rayleigh_damping(substructure, case.damping)
+    kind, damping = kind_of(case), case.damping
+    substructure = reduced.at(kind.rotation_speed(case))
+    if damping.modal_damping_ratio is None:
+        substructure = substructure.with_rayleigh_damping(damping.rayleigh_alpha or 0.0, damping.rayleigh_beta or 0.0)
     excitation = make_excitation(case, reduced.node_groups, reduced.base_inertia)
-    static_load = make_static_load(case, reduced.node_groups, reduced.body_load)
+    static_load = make_static_load(case, reduced.node_groups, reduced.unit_loads)
     named_outputs, groups = kind.outputs(case)
     outputs = {
         name: np.asarray(each.direction) @ reduced.node_groups[each.node_group] for name, each in named_outputs.items()
     }
     solved = None
-    if case.preload.method == "solved" and isinstance(substructure, Superelement):
+    if case.preload.method == "solved":
         settings = kind.face_settings(case)
-        solved = solve_preload(case, joint, settings, substructure, static_load)
+        solved = solve_preload(case, joint, settings, substructure.require_structure(), static_load)
         pairs = solved.pairs_about(solved.state, case.preload.residual_traction == "kept")
         joint = resting_joint(case, joint, settings, solved.state, pairs)
     else:
-        pairs = joint.contact_pairs(_operator(substructure, joint.face_pairs))
+        pairs = joint.contact_pairs(substructure.operator(joint.face_pairs))
     return ReducedModel(substructure, joint, pairs, excitation, static_load, outputs, groups, solved, reduced)
 
 
-def _with_rayleigh_damping(substructure: Substructure, section: DampingSection) -> Substructure:
-    """With the damping of the study beside that of matrix files."""
-    factors = section.rayleigh_alpha or 0.0, section.rayleigh_beta or 0.0
-    if isinstance(substructure, CyclicSector):
-        return substructure.with_rayleigh_damping(*factors)
-    damping = rayleigh_damping_matrix(substructure, *factors)
-    if substructure.damping is not None:  # that of the matrix files
-        damping = damping + substructure.damping
-    return replace(substructure, damping=damping)
+def make_static_load(
+    case: Case, node_groups: Mapping[str, FloatArray], unit_loads: Mapping[str, FloatArray]
+) -> FloatArray:
+    """(n,) N of the constant forces and distributed loads, on the unknowns of ``node_groups``, name -> rows (3, n).
 
-
-def _operator(substructure: Substructure, pairs: FacePairs) -> FloatArray:
-    """(3 * n_pairs, n) relative displacements t1, t2, n of pairs; (3 * n_pairs, 2n) on a sector."""
-    return substructure.operator(pairs) if isinstance(substructure, CyclicSector) else pairs.operator(substructure)
-
-
-def make_static_load(case: Case, node_groups: Mapping[str, FloatArray], body_load: FloatArray) -> FloatArray:
-    """(n,) N of the constant forces and of rotation, on the unknowns of ``node_groups``, name -> rows (3, n).
-
-    ``body_load`` (n,) N is that of the bodies at a rotation of 1 rad/s.
+    ``unit_loads`` are section -> (n, k) N for each unit of the sizes of a distributed load.
     """
     kind = kind_of(case)
-    load = kind.rotation_speed(case) ** 2 * body_load
+    load = np.zeros(next(iter(node_groups.values())).shape[1])
+    for section, sizes in kind.load_sizes(case).items():
+        load = load + unit_loads[section] @ np.array(sizes)
     for force in kind.static_forces(case):
         load = load + force.amplitude * (np.asarray(force.direction) @ node_groups[force.node_group])
     return load

@@ -9,7 +9,7 @@ from stickslip.core.validation import FloatArray
 
 # chosen: largest distance of a point of the study file from the nearest node, as a fraction of the structure's size.
 POINT_FRACTION = 0.05
-# Two nodes coincide if their distance is below this fraction of the structure's size. Files hold coordinates with six
+# Two nodes coincide if their distance is below this fraction of the structure's size. Files have coordinates with six
 # or more digits, so equal positions differ by less; the smallest elements are far larger.
 SAME_PLACE_FRACTION = 1e-6
 

@@ -20,7 +20,10 @@ def require_single_joints(mesh: Mesh, interfaces: Mapping[str, MeshInterfaceSect
 
     Two interfaces may have one common face: two blocks may be on one face.
     """
-    sides = {name: tuple(_sides(mesh, face) for face in (each.first, each.second)) for name, each in interfaces.items()}
+    sides = {
+        name: tuple(sides_of_face(mesh, face) for face in (each.first, each.second))
+        for name, each in interfaces.items()
+    }
     for (name, faces), (other, others) in combinations(sides.items(), 2):
         for opposite in (others, others[::-1]):
             common = [mine & theirs for mine, theirs in zip(faces, opposite, strict=True)]
@@ -44,8 +47,8 @@ def _faces(pairs: FacePairs) -> list[np.ndarray]:
     return [np.flatnonzero(pairs.face == face) for face in range(int(pairs.face.max()) + 1)]
 
 
-def _sides(mesh: Mesh, face: str | None) -> set[tuple[int, ...]]:
-    """Nodes of each element side of a face; the ground is one side of its own."""
+def sides_of_face(mesh: Mesh, face: str | None) -> set[tuple[int, ...]]:
+    """Sorted nodes of each element side of a face; the ground is one side of its own."""
     if face is None or face == GROUND:
         return {(-1,)}
     return {tuple(side) for group in mesh.sides(face) for side in np.sort(group, axis=1).tolist()}

@@ -18,17 +18,16 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Layout
-from stickslip.model.model import Model, ReducedStructure, build_model, connect, load_joint, node_group_rows, set_up
+from stickslip.model.model import Model, build_model, connect, kind_of, load_joint, set_up
+from stickslip.model.study_structure import ReducedStructure, study_structure
 from stickslip.solve.parameters import STEP, Parameter
 from stickslip.solve.solver_input import SolverInput
 from stickslip.structure.elasticity import Structure
-from stickslip.structure.recovery import reduced_load
-from stickslip.structure.superelement import Superelement
 
 # Sections of a study file whose keys change the matrices of the structure.
 OF_STRUCTURE: dict[type[Case], tuple[str, ...]] = {
-    TwoBladeCase: ("geometry", "damper", "material"),
-    MeshCase: ("material", "bodies"),
+    TwoBladeCase: ("geometry", "damper", "material", "rotation"),
+    MeshCase: ("material", "bodies", "rotation"),
 }
 # Keys of a two-blade study that change together if the damper is as long as the blades are wide: the mesh has other
 # elements if it is shorter, and a longer one does not fit.
@@ -54,12 +53,17 @@ def case_parameters(case: Case, model: Model, output: str | None = None) -> tupl
     Raises
     ------
     InputError
-        for an output that the model does not have.
+        for an output that the model does not have, and a reduction for several speeds.
     """
     name = next(iter(model.outputs)) if output is None else output
     if name not in model.outputs:
         raise InputError(
             f'output is "{name}", but the outputs of the model are {", ".join(model.outputs)}.', arguments=["output"]
+        )
+    if model.reduced.speeds is not None:  # its recovery is in equilibrium at rest, not at the speed
+        raise InputError(
+            "rotation.top_speed gives one reduction for several speeds, which has no gradients. Remove the key.",
+            ("rotation.top_speed",),
         )
     source = _CaseInput(case, model, name)
     return tuple(source.parameter(keys) for keys in _groups(case))
@@ -80,11 +84,11 @@ class _CaseInput:
 
     def __init__(self, case: Case, model: Model, output: str) -> None:
         self._case, self._model, self._output = case, model, output
-        self._of_structure = OF_STRUCTURE.get(type(case), ()) if isinstance(model.structure, Structure) else ()
+        self._of_structure = OF_STRUCTURE.get(type(case), ()) if model.in_study.full_model is not None else ()
         self._base = self._input(case, model.joint)
         damping = case.damping
         self._rayleigh = damping.rayleigh_alpha or 0.0, damping.rayleigh_beta or 0.0
-        self._own = replace(self._base, structure=model.structure, rayleigh=self._rayleigh)
+        self._own = replace(self._base, structure=model.in_study.full_model, rayleigh=self._rayleigh)
 
     def parameter(self, keys: Sequence[ContinuousKey]) -> Parameter:
         """The parameter of keys that change in proportion."""
@@ -107,17 +111,14 @@ class _CaseInput:
         return Parameter(name, first.unit, first.shown, change, STEP * abs(first.shown))
 
     def _on_same_structure(self, case: Case) -> SolverInput:
-        layout = self._model.joint.layout
-        if "rotation" in case.sections and case.sections["rotation"] is not None:
-            layout = set_up(case).layout  # its axis may have changed
-        return self._input(case, load_joint(case, layout))
+        return self._input(case, load_joint(case, self._model.joint.layout))
 
     def _on_changed_structure(self, case: Case) -> SolverInput:
         setup, own = set_up(case), self._model
-        structure = setup.assemble()
-        assert isinstance(structure, Structure)
-        assert isinstance(own.structure, Structure)
-        _require_same_mesh(structure, own.structure)
+        structure, of_case = study_structure(setup.assemble()).full_model, own.in_study.full_model
+        assert structure is not None  # see _of_structure
+        assert of_case is not None
+        _require_same_mesh(structure, of_case)
         _require_same_places(setup.layout, own.joint.layout)
         joint = load_joint(case, setup.layout)
         changed = self._input(case, joint)
@@ -130,11 +131,8 @@ class _CaseInput:
 
     def _input(self, case: Case, joint: Joint) -> SolverInput:
         """The input on the reduction of the case itself."""
-        structure, layout = self._model.structure, joint.layout
-        plain = structure if isinstance(structure, Superelement) else replace(self._model.superelement, damping=None)
-        body_load = np.zeros(plain.size) if layout.body_load is None else reduced_load(plain, layout.body_load)
-        inertia = None if layout.base_inertia is None else reduced_load(plain, layout.base_inertia)
-        model = connect(case, ReducedStructure(plain, node_group_rows(plain, layout), body_load, inertia), joint)
+        undamped = self._model.reduced.at(kind_of(self._case).rotation_speed(self._case)).require_structure()
+        model = connect(case, ReducedStructure.of_superelement(undamped, joint.layout), joint)
         return SolverInput(
             model.superelement,
             model.pairs,

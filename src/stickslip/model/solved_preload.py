@@ -22,6 +22,7 @@ from stickslip.model.joint import (
     pair_springs,
     pressure_warnings,
 )
+from stickslip.model.loaded_laws import laws_at_rest, with_loaded_laws, without_loaded_laws
 from stickslip.model.rough_face import case_roughness
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.solve.static.state import StaticState
@@ -48,9 +49,12 @@ HIGHEST_PRESSURE = 1e3
 class SolvedPreload:
     """The state at rest with the tractions of the case, and the other one for comparison.
 
-    ``other`` is None if it does not exist; ``why`` is then the reason. ``unloaded`` are the pairs before the load.
+    ``other`` is None if it does not exist; ``why`` is then the reason. ``unloaded`` are the pairs before the load,
+    ``joint`` is that of ``case`` before it.
     """
 
+    case: Case
+    joint: Joint
     unloaded: ContactPairs
     state: StaticState
     other: StaticState | None
@@ -58,7 +62,8 @@ class SolvedPreload:
 
     def pairs_about(self, state: StaticState, kept: bool) -> ContactPairs:
         """The contact pairs about one of the two states at rest, with its tractions ``kept`` or released."""
-        return state.about(self.unloaded, keep_traction=kept)
+        pairs = state.about(self.unloaded, keep_traction=kept)
+        return with_loaded_laws(self.joint, pairs, _lowest_load(self.case, self.joint, state.normal_force))
 
 
 def solve_preload(
@@ -70,16 +75,15 @@ def solve_preload(
 ) -> SolvedPreload:
     """The joint at rest under ``static_load`` (n,) N, with friction and without. Raises ConvergenceError."""
     # Pairs that just touch, or stand apart by their gap.
-    unloaded = replace(joint, preload=-joint.normal_stiffness * joint.face_pairs.gap).contact_pairs(
-        joint.face_pairs.operator(superelement)
-    )
+    touching = replace(without_loaded_laws(joint), preload=-joint.normal_stiffness * joint.face_pairs.gap)
+    unloaded = touching.contact_pairs(joint.face_pairs.operator(superelement))
     retained = case.preload.residual_traction == "kept"
     state = _state(case, joint, settings, superelement, unloaded, static_load, friction=retained)
     try:
         other = _state(case, joint, settings, superelement, unloaded, static_load, friction=not retained)
     except ConvergenceError as error:
-        return SolvedPreload(unloaded, state, None, str(error))
-    return SolvedPreload(unloaded, state, other)
+        return SolvedPreload(case, joint, unloaded, state, None, str(error))
+    return SolvedPreload(case, joint, unloaded, state, other)
 
 
 def resting_joint(
@@ -91,7 +95,6 @@ def resting_joint(
     secant = any(own.is_pressed and face_allocation(case, own) == "pressure" for own in settings)
     if secant and case.preload.normal_law == "spring":
         layout = replace(layout, messages=(*layout.messages, SECANT_WARNING))
-    others = pairs.laws[len(pairs.laws) - len(joint.laws) :]  # Coulomb pairs come first
     return replace(
         joint,
         layout=layout,
@@ -101,7 +104,7 @@ def resting_joint(
             np.isnan(state.tangential_stiffness), joint.tangential_stiffness, state.tangential_stiffness
         ),
         rough_faces=faces,
-        laws=tuple((named, law, members) for (named, _, members), law in zip(joint.laws, others, strict=True)),
+        laws=tuple(laws_at_rest(joint, pairs)),
         stiffness_warnings=_pressure_warnings(case, joint, settings, state),
     )
 
@@ -121,18 +124,21 @@ def _state(
     def local(normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
         return pair_springs(case, joint.layout, _with_floor(case, joint, settings, normal_force), settings)
 
+    def local_of_each_pair(normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
+        load = np.maximum(normal_force, _lowest_load(case, joint, normal_force))
+        return pair_springs(case, joint.layout, load, settings, of_each_pair=True)
+
     state = static_preload(superelement, pairs, load, friction=friction, local_stiffness=local)
     if case.preload.normal_law == "spring":
         return state
     law = _pressure_gap_law(case, joint, settings, state)
-    start = ContactPairs(
-        pairs.operator,
-        state.normal_stiffness,
-        state.tangential_stiffness,
-        joint.friction_coefficient,
-        -state.normal_stiffness * joint.face_pairs.gap,
+    # The tangential stiffness of a pair follows its own pressure, as the slope of its curve does.
+    normal, tangential = local_of_each_pair(state.normal_force)
+    gap = -normal * joint.face_pairs.gap
+    start = ContactPairs(pairs.operator, normal, tangential, joint.friction_coefficient, gap)
+    return static_preload(
+        superelement, start, load, friction=friction, local_stiffness=local_of_each_pair, normal_law=law
     )
-    return static_preload(superelement, start, load, friction=friction, local_stiffness=local, normal_law=law)
 
 
 def _mean_pressure(joint: Joint, normal_force: FloatArray) -> FloatArray:

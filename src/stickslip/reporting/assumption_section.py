@@ -37,13 +37,13 @@ class Assumption:
 
     @property
     def source(self) -> str:
-        """Where the effect is from."""
+        """The source of the effect."""
         return "this run" if self.computed else "documented"
 
 
 @dataclass(frozen=True)
 class _Facts:
-    """What the rows need of a run."""
+    """The data of a run for the rows."""
 
     view: View
 
@@ -122,11 +122,13 @@ def _stiffness(facts: _Facts) -> Iterator[Assumption]:
 
 
 def _stiffness_in_cycle(facts: _Facts) -> Assumption:
-    laws = facts.view.response.pairs.laws
-    if all(isinstance(law, ExponentialContact) for law in laws):
+    pairs = facts.view.response.pairs
+    count = sum(law.n_pairs for law in pairs.laws if isinstance(law, ExponentialContact))
+    if count:
+        where = "" if count == pairs.n_pairs else f" in {count} of {pairs.n_pairs} pairs and is constant in the others"
         return Assumption(
             "Contact stiffness during the cycle",
-            "normal stiffness follows the momentary pressure, tangential stiffness is that at rest",
+            f"normal stiffness follows the momentary pressure{where}, tangential stiffness is that at rest",
             "compare with the law coulomb; 0.5 % on the default two blades, 9 % up or down where pairs separate",
         )
     variation = facts.normal_variation
@@ -238,7 +240,7 @@ def _solution(facts: _Facts) -> Iterator[Assumption]:
     if distance is not None:
         yield Assumption(
             "Small displacements",
-            "pairs keep their partner; normals do not turn",
+            "the points of a pair remain the same; normals do not rotate",
             f"at the peak a pair moves by {number(MICRO * float(slide), 3)} µm, "
             f"{number(100.0 * float(slide) / distance, 2)} % of the distance to the next pair",
             computed=True,

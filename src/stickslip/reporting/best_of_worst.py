@@ -8,7 +8,7 @@ from stickslip.reporting.style import length
 from stickslip.reporting.sweep_view import SweepView, short_name
 
 # Sections whose keys are load cases: what acts on the structure. All other keys are the design.
-LOAD_SECTIONS = ("excitation", "forces", "base_motion", "unbalance", "rotation", "static_loads")
+LOAD_SECTIONS = ("excitation", "forces", "base_motion", "unbalance", "rotation", "static_loads", "pressures", "gravity")
 LOAD_KEYS = ("preload.speed_of_rotation",)
 
 

@@ -16,7 +16,7 @@ from stickslip.core.files import whole_file
 from stickslip.reporting import sweep_plots
 from stickslip.reporting.campbell_figure import campbell_figure, crossing_rows
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_figures
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import MICRO, length, number, shown_number
 from stickslip.reporting.sweep_view import COLOURS, DASHES, SweepView
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.results.campbell import campbell
@@ -188,7 +188,7 @@ def _tiles(compared: Sequence[Compared], measures: Sequence[Mapping[str, float]]
             more += f" ({note})"
         if place:
             more += f"; {_signed(100.0 * (peak / first - 1.0))}"
-        yield Tile(f"Highest peak, {name}", number(MICRO * peak), "µm", more)
+        yield Tile(f"Highest peak, {name}", *length(peak), more)
 
 
 def _notices(compared: Sequence[Compared]) -> Iterator[Notice]:
@@ -200,7 +200,7 @@ def _notices(compared: Sequence[Compared]) -> Iterator[Notice]:
     if len(set(outputs.values())) > 1:
         words = "; ".join(f"{name}: {output}" for name, output in outputs.items())
         cautions.append(
-            f"The responses have different names, so the amplitudes may be those of different places: {words}."
+            f"The responses have different names, so the amplitudes may be those of different positions: {words}."
         )
     ends = [each.name for each in compared if each.curve_and_measures()[1].get("peak_bracketed") == 0.0]
     if ends:

@@ -12,10 +12,12 @@ from stickslip.reporting.look import Figure, axis_look, figure_of, line_trace, p
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import shown_number
 from stickslip.reporting.view import View
+from stickslip.results.campbell import SPEED_KEY
 from stickslip.results.disk import Disk
 from stickslip.results.measures import summary
 
 _ROOM = 1.08  # of the highest frequency
+_UNKNOWN = "The stability of the points is not known, and motions in which sectors differ are not in the equations."
 
 
 def _disk(view: View) -> Disk:
@@ -93,12 +95,23 @@ def _words(view: View) -> list[str]:
             f"({shown_number(60.0 * peak_hz / disk.engine_order, 'rpm')} rpm): a resonance is possible where a mark of "
             "it meets a natural frequency of the same nodal diameter (SAFE diagram)."
         )
-    words.append(
-        "The speed has no effect on these frequencies and on the normal loads: centrifugal stiffening and Coriolis "
-        "forces are not included. The stability of the points is not known, and motions in which sectors differ are "
-        "not in the equations."
-    )
+    words += [_of_speed(view), _UNKNOWN]
     return words
+
+
+def _of_speed(view: View) -> str:
+    """The speed whose effects the frequencies contain."""
+    speed = view.study.input_values().get(SPEED_KEY)
+    if speed is None:
+        return (
+            "The frequencies are those of the disk at rest: stress stiffening, spin softening and Coriolis forces are "
+            "not included. A section [rotation] adds the first two."
+        )
+    return (
+        f"The frequencies are those at {speed}, with stress stiffening and spin softening. Coriolis forces are not "
+        "included, and the speed does not change the normal loads. If the dashed line belongs to another speed, repeat "
+        "the study with that one."
+    )
 
 
 DISK = Section(

@@ -18,9 +18,10 @@ from stickslip.contact.stiffness.roughness_fit import RoughnessFit
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, blank_figure, one_panel, plain_axes
-from stickslip.core.validation import finite_array
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.reporting.disk_figures import disk_figures
-from stickslip.reporting.look import mark_size
+from stickslip.reporting.face_axes import map_titles
+from stickslip.reporting.look import map_range, mark_size
 from stickslip.reporting.style import LINE_COLOURS, MICRO, STATES
 from stickslip.reporting.view import View
 from stickslip.results.record import StudyRecord, compared_model, reference_deviation
@@ -31,7 +32,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("svg", "png", "pdf")
-_MAP = (390.0, 115.0)  # points of one face's map beside its axes and scale
+_MAP_WIDTH_INCHES = 5.4  # of one face's map beside its axes and scale
+_MAP_INCHES = (0.8, 2.6)  # chosen: smallest and largest height of a map
+_AROUND_MAP_INCHES = 0.75  # for the title and the lower axis of a map
 
 
 def amplitude_frequency(response: ForcedResponse, study: StudyRecord) -> Figure:
@@ -46,7 +49,7 @@ def contact_states(response: ForcedResponse, study: StudyRecord, point: int | No
     at = view.point if point is None else point
     figure, panels = _face_panels(study, f"{response.frequency_hz[at]:.2f} Hz, {view.amplitude_um[at]:.4g} µm")
     for face, axes in enumerate(panels):
-        size = mark_size(1e3 * study.pair_position[study.pair_face == face], _MAP, 7.4) ** 2
+        size = _mark_area(1e3 * study.pair_position[study.pair_face == face], 7.4)
         for state, name in response.pairs.state_names.items():
             here = (study.pair_face == face) & (response.contact_state[at] == state)
             x, y = 1e3 * study.pair_position[here].T
@@ -64,7 +67,7 @@ def rest_pressure(response: ForcedResponse, study: StudyRecord) -> Figure:
     top = max(float(np.nanmax(pressure)), 1e-30)
     for face, axes in enumerate(panels):
         here = study.pair_face == face
-        size = mark_size(1e3 * study.pair_position[here], _MAP, 8.4) ** 2
+        size = _mark_area(1e3 * study.pair_position[here], 8.4)
         opened = here & np.isnan(pressure)
         x, y = 1e3 * study.pair_position[opened].T
         axes.scatter(x, y, marker="s", s=size, facecolor="none", edgecolor=GREY)
@@ -85,7 +88,7 @@ def energy_map(response: ForcedResponse, study: StudyRecord, point: int | None =
     for face, axes in enumerate(panels):
         here = study.pair_face == face
         x, y = 1e3 * study.pair_position[here].T
-        size = mark_size(np.column_stack([x, y]), _MAP, 8.4) ** 2
+        size = _mark_area(np.column_stack([x, y]), 8.4)
         dots = axes.scatter(x, y, c=energy[here], marker="s", s=size, cmap="cividis", vmin=0.0, vmax=top)
     figure.colorbar(dots, ax=panels, label=f"Friction energy, {view.energy_unit} per cycle")
     return figure
@@ -235,12 +238,24 @@ def save_all(
 
 
 def _face_panels(study: StudyRecord, heading: str) -> tuple[Figure, list[Axes]]:
-    count = len(study.face_names)
-    figure = blank_figure(7.0, 0.9 + 1.7 * count)
-    panels = [plain_axes(axes) for axes in figure.subplots(count, 1, sharex=True, squeeze=False).ravel()]
-    for face, axes in enumerate(panels):
+    """A panel for the map of each face, all to one scale along both of their axes."""
+    heights = [_map_inches(1e3 * study.pair_position[study.pair_face == face]) for face in range(len(study.face_names))]
+    figure = blank_figure(7.0, sum(heights) + _AROUND_MAP_INCHES * len(heights))
+    panels = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights).ravel()
+    for face, axes in enumerate(map(plain_axes, panels)):
+        position = 1e3 * study.pair_position[study.pair_face == face]
+        across, up = map_titles(study, face)
         axes.set_title(f"{study.face_names[face]}, {heading}", fontsize=10, loc="left", parse_math=False)
-        axes.set_ylabel("Across, mm")
-        axes.margins(0.06, 0.14)
-    panels[-1].set_xlabel("Along the length, mm")
-    return figure, panels
+        axes.set(xlim=map_range(position)[0], ylim=map_range(position)[1], aspect="equal", xlabel=across, ylabel=up)
+    return figure, list(panels)
+
+
+def _map_inches(position: FloatArray) -> float:
+    """Height of the map of a face with pairs at ``position`` (n, 2) mm, to scale, within limits."""
+    width, height = np.ptp(map_range(position), axis=1)
+    return float(np.clip(_MAP_WIDTH_INCHES * height / width, *_MAP_INCHES))
+
+
+def _mark_area(position: FloatArray, largest: float) -> float:
+    """Area in square points of the marks of a map with pairs at ``position`` (n, 2) mm; ``largest`` is their width."""
+    return mark_size(position, (72.0 * _MAP_WIDTH_INCHES, 72.0 * _map_inches(position)), largest) ** 2

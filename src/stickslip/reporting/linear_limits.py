@@ -11,7 +11,7 @@ from stickslip.results.sweep_table import SweptKey
 # chosen: fraction of the smaller peak by which limits may differ and still count as equal.
 SAME_LIMIT = 0.01
 # Sections and keys of interfaces without effect on the structure without contact.
-_JOINT_SECTIONS = ("preload", "roughness", "contact_stiffness", "friction", "static_loads", "rotation")
+_JOINT_SECTIONS = ("preload", "roughness", "contact_stiffness", "friction", "static_loads", "pressures", "gravity")
 _JOINT_KEYS = ("gap", "normal_load", "friction", "normal_stiffness", "tangential_stiffness", "allocation")
 _REASONS = {
     "stuck": (

@@ -42,13 +42,14 @@ def plain_figures(figures: Any) -> Any:
 
 FREQUENCY = "Excitation frequency, Hz"
 _SMALLEST_MARK = 3.0  # px; chosen: the smallest mark with a visible colour
+_LEAST_WIDTH = 0.5  # chosen: of the height of a map; the numbers of narrower axes overlap
 _CLOSE_FRACTION = 0.1  # chosen: of the pairs may have a neighbour nearer than the size of a mark
 _FONT = PlotMarkup("system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif")
 
 
 def axis_look(title: str, **options: Any) -> dict[str, Any]:
     """An axis with its title; ``options`` of plotly win over the common look."""
-    look = {
+    look: dict[str, Any] = {
         "title": {"text": title, "font": {"size": 13}, "standoff": 8},
         "showline": True,
         "linecolor": "#9aa5b1",
@@ -58,6 +59,8 @@ def axis_look(title: str, **options: Any) -> dict[str, Any]:
         "tickcolor": "#9aa5b1",
         "automargin": True,
     }
+    if options.get("type") != "log":  # which would have 10⁻¹ beside 1
+        look["exponentformat"] = "power"  # not 100µ of a unit that has its own prefix
     return look | options
 
 
@@ -107,9 +110,16 @@ def plain_list(values: Any) -> list[float]:
 
 
 def map_range(position: FloatArray) -> FloatArray:
-    """(2, 2) first and last value of both axes of a map with marks at ``position`` (n, 2) in mm."""
+    """(2, 2) first and last value of both axes of a map with marks at ``position`` (n, 2) in mm.
+
+    An upright map has room for the numbers of its horizontal axis, however narrow its face is.
+    """
     pad = 0.06 * np.ptp(position, axis=0) + 0.4
-    return np.stack([position.min(axis=0) - pad, position.max(axis=0) + pad], axis=1)
+    ranges = np.stack([position.min(axis=0) - pad, position.max(axis=0) + pad], axis=1)
+    width, height = np.ptp(ranges, axis=1)
+    missing = max(0.0, _LEAST_WIDTH * height - width)
+    ranges[0] += 0.5 * missing * np.array([-1.0, 1.0])
+    return ranges
 
 
 def mark_size(position: FloatArray, drawing: tuple[float, float], largest: float) -> float:

@@ -24,10 +24,10 @@ _LIMITS = (
 
 def other_lines(view: View) -> Iterator[dict[str, Any]]:
     """The curves that a search found, stable parts solid and unstable parts dashed, under one name of the legend."""
-    found = view.response.other_solutions
-    if found is None:
+    others = view.response.other_solutions
+    if others is None:
         return
-    for place, curve in enumerate(found.curves(view.output)):
+    for place, curve in enumerate(others.curves(view.output)):
         words = PlotMarkup("{}: {}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>").format(OTHER_CURVES, curve.name)
         unstable = unstable_steps(curve.stable)
         for drawn, dash in ((~unstable, "solid"), (unstable, "dash")):
@@ -46,11 +46,11 @@ def other_lines(view: View) -> Iterator[dict[str, Any]]:
 
 
 def _words(view: View) -> Iterator[str]:
-    found = view.response.other_solutions
-    assert found is not None  # else the page has no such section
-    words = found.words()
+    others = view.response.other_solutions
+    assert others is not None  # else the page has no such section
+    words = others.words()
     yield f"{words[0].upper()}{words[1:]}."
-    for curve in found.curves(view.output):
+    for curve in others.curves(view.output):
         top = int(np.argmax(curve.amplitude))
         yield (
             f"The largest amplitude on {curve.name} is {number(MICRO * float(curve.amplitude[top]))} µm at "

@@ -11,7 +11,7 @@ from stickslip.core.files import whole_file
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.page_data import page_data
 from stickslip.reporting.page_sections import CURVE, SECTIONS
-from stickslip.reporting.style import length, number, shown_number
+from stickslip.reporting.style import energy, length, number, shown_number, tile_number
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.verdict import verdict
 from stickslip.reporting.view import View
@@ -126,10 +126,12 @@ def _peak_tiles(measures: Summary) -> Iterator[Tile]:
 
 def _tiles(view: View) -> tuple[Tile, ...]:
     measures = view.summary
-    factor, unit = view.energy_factor, view.energy_unit
 
-    def percent(value: float | None) -> str:
-        return "–" if value is None else number(100.0 * value, 3) + " %"
+    def percent(value: float | None) -> tuple[str, str]:
+        return ("–", "") if value is None else (tile_number(100.0 * value, 3), "%")
+
+    def in_words(value: float | None) -> str:
+        return " ".join(percent(value)).strip()
 
     def shift(value: float | None, what: str) -> str:
         return f"no {what} peak in range" if value is None else f"shift {shown_number(value, 'Hz')} Hz"
@@ -140,24 +142,23 @@ def _tiles(view: View) -> tuple[Tile, ...]:
         *_peak_tiles(measures),
         Tile(
             "Reduction against linear stuck",
-            percent(measures.reduction_from_stuck),
+            *percent(measures.reduction_from_stuck),
             more=shift(measures.shift_from_stuck_hz, "stuck"),
         ),
         Tile(
             "Reduction against linear free",
-            percent(measures.reduction_from_free),
+            *percent(measures.reduction_from_free),
             more=shift(measures.shift_from_free_hz, "free"),
         ),
         Tile("Pairs that slip or separate at the peak", str(moving), f"of {sum(measures.state_counts)}", states),
         Tile(
             "Friction energy per cycle",
-            number(factor * measures.friction_energy),
-            unit,
-            f"{percent(measures.friction_share)} of the loss at the peak",
+            *energy(measures.friction_energy),
+            f"{in_words(measures.friction_share)} of the loss at the peak",
         ),
         Tile(
             "Equivalent damping ratio",
-            percent(measures.equivalent_damping),
-            more=f"from energies; half-power width {percent(measures.half_power_width)}",
+            *percent(measures.equivalent_damping),
+            more=f"from energies; half-power width {in_words(measures.half_power_width)}",
         ),
     )

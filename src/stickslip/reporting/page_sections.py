@@ -24,7 +24,7 @@ from stickslip.reporting.section import Section
 from stickslip.reporting.stiffness_words import stiffness_words
 from stickslip.reporting.stress_section import STRESS
 from stickslip.reporting.structure_section import STRUCTURE
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import MICRO, number, raised, shown_number
 from stickslip.reporting.sweep_words import sweep_words
 from stickslip.reporting.templates import StudyText
 from stickslip.reporting.traction_words import TRACTIONS
@@ -65,7 +65,7 @@ def _open_at_rest(view: View) -> list[tuple[str, int, int]]:
 def _measures(view: View) -> list[tuple[str, str]]:
     """Names and values with their units."""
     return [
-        (name, "–" if value == "-" else f"{value} {'' if unit == '-' else unit}".replace("-", "−"))
+        (name, "–" if value == "-" else raised(f"{value} {'' if unit == '-' else unit}"))
         for name, value, unit in summary_table(view.summary)
     ]
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, PURPLE, VERMILLION
 from stickslip.core.validation import FloatArray
+from stickslip.reporting.face_axes import map_titles
 from stickslip.reporting.look import (
     FREQUENCY,
     Figure,
@@ -69,7 +70,7 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
         "hoverinfo": "skip",
         "showlegend": False,
     }
-    return _on_face([dots, chosen], position)
+    return _on_face([dots, chosen], position, map_titles(study, face))
 
 
 def rest_map(view: View, face: int) -> Figure:
@@ -104,7 +105,7 @@ def pair_map(
         "text": [f"{view.pair_label(int(pair))}: {word}" for pair, word in zip(pairs, words, strict=True)],
         "marker": marker,
     }
-    return _on_face([dots], position)
+    return _on_face([dots], position, map_titles(view.study, face))
 
 
 def _scale(size: float, values: FloatArray, top: float, title: str) -> dict[str, Any]:
@@ -127,14 +128,15 @@ def _scale(size: float, values: FloatArray, top: float, title: str) -> dict[str,
     }
 
 
-def _on_face(traces: list[dict[str, Any]], position: FloatArray) -> Figure:
-    """Traces on one face with pairs at ``position`` (n, 2) mm."""
+def _on_face(traces: list[dict[str, Any]], position: FloatArray, titles: tuple[str, str]) -> Figure:
+    """Traces on one face with pairs at ``position`` (n, 2) mm, to scale; ``titles`` of its axes."""
     ranges = map_range(position).tolist()
+    across, up = (PlotMarkup("<br>").join(map(PlotMarkup.escape, title.split("\n"))) for title in titles)
     return figure_of(
         traces,
         230,
-        xaxis=axis_look("Along the face, mm", range=ranges[0], constrain="domain", showgrid=False, fixedrange=True),
-        yaxis=axis_look("Across, mm", range=ranges[1], scaleanchor="x", showgrid=False, fixedrange=True),
+        xaxis=axis_look(across, range=ranges[0], constrain="domain", showgrid=False, fixedrange=True),
+        yaxis=axis_look(up, range=ranges[1], scaleanchor="x", showgrid=False, fixedrange=True),
         hovermode="closest",
         dragmode=False,
         margin={"l": 48, "r": 12, "t": 6, "b": 42},

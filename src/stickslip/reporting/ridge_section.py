@@ -123,11 +123,11 @@ def _figures(ridge_of: RidgeOf, prefix: str) -> Callable[[View], dict[str, Figur
         return {
             f"{prefix}-amplitude": figure_of(
                 amplitudes, 380, hovermode="closest",
-                xaxis=axis_look(words, **across), yaxis=axis_look("Peak amplitude, 0-to-peak, µm", **up),
+                xaxis=axis_look(words, **across), yaxis=axis_look("0-to-peak, µm", **up),
             ),
             f"{prefix}-frequency": figure_of(
                 _panel(ridge, here, of_amplitude=False), 380, hovermode="closest",
-                xaxis=axis_look(words, **across), yaxis=axis_look("Frequency of the peak, Hz"),
+                xaxis=axis_look(words, **across), yaxis=axis_look("Frequency, Hz"),
             ),
         }  # fmt: skip
 
@@ -189,12 +189,13 @@ def _ridge_words(view: View) -> Iterator[str]:
     yield from (words for words in _common_words(ridge) if "another peak" not in words)
 
 
+# The figures are first: in print they fit below the curve, while the words may need half a page.
 _TEMPLATE = """\
-<p class="note">{{ words }}</p>
   <div class="two">
     {{ parts.figure(prefix ~ "-amplitude", "Peak amplitude", "Peak amplitude: " ~ title) }}
     {{ parts.figure(prefix ~ "-frequency", "Peak frequency", "Peak frequency: " ~ title) }}
   </div>
+<p class="note after">{{ words }}</p>
 """
 
 

@@ -44,10 +44,10 @@ def _sentences(view: View) -> Iterator[str]:
     band = view.response.stiffness_band
     if band is None:
         return
-    tops, found = band.curve_peaks(view.output), stiffness_range(view.summary)
+    tops, limits = band.curve_peaks(view.output), stiffness_range(view.summary)
     yield (
         "The contact stiffness follows from the roughness and was not measured; two methods of measurement differ by a "
-        f"factor 3 on one contact. With a third of it, as computed, and with three times it, the peak is {found}."
+        f"factor 3 on one contact. With a third of it, as computed, and with three times it, the peak is {limits}."
     )
     for name, top, complete in zip(band.names, tops, band.complete.tolist(), strict=True):
         if not complete:

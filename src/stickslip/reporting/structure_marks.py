@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +15,8 @@ from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Sketch
 
 _ARROW_FRACTION = 0.16  # length of an arrow, of the diagonal of the box around the structure
+_TANGENT_FRACTION = 0.4  # length of the arrows t1 and t2, of their face along them: nearly to its edge
+_LEAST_TANGENT_FRACTION = 0.02  # and at least of the diagonal of the box around the structure
 _SHARP_DEG = 30.0  # between the normals of two sides whose common edge is drawn
 _LONGEST_LABEL = 34  # letters
 _LETTER_PX, _LINE_PX = 6.8, 18.0  # width of a letter, height of a label with its margin
@@ -28,7 +30,9 @@ class Marked:
 
     The first are the points of the sketch; ``responses`` (r,), ``tails`` and ``tips`` (k,) are positions of the places
     of responses and of the ends of the arrows of loads. ``pulls`` (k,) says which arrows start at the place of their
-    load; the others end there.
+    load; the others end there. ``starts`` (d,) and ``ends`` (d,) are those of the arrows of the sliding directions
+    ``tangents`` (d,), t1 and t2 of each of the contact faces ``tangent_faces`` (d,) that has them; they move with the
+    points ``anchors`` (d,).
     """
 
     places: FloatArray
@@ -36,6 +40,11 @@ class Marked:
     tails: NDArray[np.int64]
     tips: NDArray[np.int64]
     pulls: NDArray[np.bool_]
+    starts: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    anchors: NDArray[np.int64]
+    tangents: tuple[str, ...]
+    tangent_faces: NDArray[np.int64]
 
     @property
     def free_ends(self) -> NDArray[np.int64]:
@@ -63,19 +72,48 @@ class Label:
     offset: tuple[float, float]
 
 
-def marked(sketch: Sketch) -> Marked:
+def marked(study: StudyRecord, sketch: Sketch) -> Marked:
     """The places of a sketch, with an arrow for each load: all of one length, each on the side of its place that is
-    farther from the middle of the bodies."""
+    farther from the middle of the bodies. The arrows of t1 and t2 begin at the middle of their contact face."""
     low, high = sketch.points.min(axis=0), sketch.points.max(axis=0)
     length = _ARROW_FRACTION * float(np.linalg.norm(high - low))
     along = length * sketch.loads / np.linalg.norm(sketch.loads, axis=1, keepdims=True)
     away = sketch.load_places - 0.5 * (low + high)
     pulls = (along * away).sum(axis=1) > 0.0
     tails = np.where(pulls[:, None], sketch.load_places, sketch.load_places - along)
-    groups = (sketch.points, sketch.response_places, tails, tails + along)
+    middles, tangents, faces = _tangents(study, sketch)
+    groups = (sketch.points, sketch.response_places, tails, tails + along, middles, middles + tangents)
     ends = np.cumsum([len(group) for group in groups])
-    responses, tail, tip = (np.arange(start, stop) for start, stop in pairwise(ends))
-    return Marked(np.vstack(groups), responses, tail, tip, pulls)
+    responses, tail, tip, start, end = (np.arange(low, high) for low, high in pairwise(ends))
+    anchors = np.array([np.linalg.norm(sketch.points - middle, axis=1).argmin() for middle in middles], dtype=np.int64)
+    return Marked(
+        np.vstack(groups), responses, tail, tip, pulls, start, end, anchors, ("t1", "t2") * (len(faces) // 2), faces
+    )
+
+
+def before_faces(shown: Marked, camera: Camera, depth: float) -> Marked:
+    """The places with the arrows t1 and t2 moved by ``depth`` m out of their contact faces, towards the eye."""
+    along = (shown.places[shown.ends] - shown.places[shown.starts]).reshape(-1, 2, 3)
+    normal = directions(np.cross(along[:, 0], along[:, 1]))
+    towards = np.repeat(normal * np.sign(normal @ camera.axes[2])[:, None], 2, axis=0)
+    places = shown.places.copy()
+    for ends in (shown.starts, shown.ends):
+        places[ends] += depth * towards
+    return replace(shown, places=places)
+
+
+def _tangents(study: StudyRecord, sketch: Sketch) -> tuple[FloatArray, FloatArray, NDArray[np.int64]]:
+    """Starts (d, 3) m and vectors (d, 3) m of the arrows t1, t2 of one contact face after the other; their faces."""
+    known = study.face_directions
+    if known is None:
+        return np.empty((0, 3)), np.empty((0, 3)), np.empty(0, dtype=np.int64)
+    faces = np.flatnonzero(known.tangent1.any(axis=1))
+    least = _LEAST_TANGENT_FRACTION * float(np.linalg.norm(np.ptp(sketch.points, axis=0)))
+    # positions in a map are along t2, then along t1
+    sizes = [np.ptp(study.pair_position[study.pair_face == face], axis=0)[::-1] for face in faces]
+    lengths = np.maximum(_TANGENT_FRACTION * np.array(sizes).reshape(-1, 2), least)
+    vectors = lengths[:, :, None] * np.stack([known.tangent1[faces], known.tangent2[faces]], axis=1)
+    return np.repeat(known.middle[faces], 2, axis=0), vectors.reshape(-1, 3), np.repeat(faces, 2)
 
 
 def outlines(sketch: Sketch, body: int) -> NDArray[np.int64]:
@@ -96,7 +134,7 @@ def outlines(sketch: Sketch, body: int) -> NDArray[np.int64]:
 
 def labels(study: StudyRecord, sketch: Sketch, frame: Frame) -> list[Label]:
     """Names of contact faces, loads with their size, and responses, placed so that they do not overlap in a view."""
-    shown, sizes = marked(sketch), np.linalg.norm(sketch.loads, axis=1)
+    shown, sizes = marked(study, sketch), np.linalg.norm(sketch.loads, axis=1)
     faces = np.unique(sketch.face[sketch.face >= 0])
     named = [
         *((shortened(study.face_names[face]), _middle_of_face(sketch, int(face))) for face in faces),

@@ -18,7 +18,7 @@ from stickslip.core.plain_figure import BLUE, INK
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, figure_of, plain_figures
 from stickslip.reporting.packing import FULL_SCALE, packed
-from stickslip.reporting.structure_marks import Frame, Label, Marked, labels, marked, outlines
+from stickslip.reporting.structure_marks import Frame, Label, Marked, before_faces, labels, marked, outlines
 from stickslip.reporting.structure_view import (
     Camera,
     Extent,
@@ -130,10 +130,13 @@ class _Contact:
 def structure_picture(study: StudyRecord, sketch: Sketch) -> StructurePicture:
     """The picture of the structure of a study."""
     camera = best_camera(sketch)
-    shown = marked(sketch)
+    depth = _SUNK * float(np.linalg.norm(np.ptp(sketch.points, axis=0)))
+    shown = before_faces(marked(study, sketch), camera, 2.0 * depth)
     contact = _Contact.of(sketch, len(shown.places))
     traces, legend = _traces(study, sketch, camera, shown, contact)
-    motion, deflection = (None, None) if sketch.motion is None else _packed_motion(sketch, sketch.motion, contact)
+    motion, deflection = (
+        (None, None) if sketch.motion is None else _packed_motion(sketch, sketch.motion, shown, contact)
+    )
     extent = _extent(shown.places, 0.0 if deflection is None else deflection.magnification * deflection.largest)
     close = contact_extent(sketch, camera)
     words, narrow = (labels(study, sketch, _frame(extent, camera, size)) for size in (WIDE_PX, NARROW_PX))
@@ -187,6 +190,11 @@ def _traces(
             along = shown.places[tip] - shown.places[tail]
             heads = _cones([sketch.load_names[load] for load in which], tip, _CONE_FRACTION * _MM * along)
             show("constant" if constant else "load", INK, words, shafts, heads)
+    if shown.tangents:
+        along = _MM * (shown.places[shown.ends] - shown.places[shown.starts])
+        shafts = _lines(np.column_stack([shown.starts, shown.ends]), INK, 4.0)
+        heads = _cones(list(shown.tangents), shown.ends, _CONE_FRACTION * along)
+        show("tangent", INK, "sliding directions t1, t2", shafts, heads, _words(shown.tangents, shown.ends))
     if sketch.response_names:
         marks = _marks("response", shown.responses, BLUE, "circle", 3.5)
         marks.look["hovertemplate"] = [_hover(name) for name in sketch.response_names]
@@ -231,6 +239,11 @@ def _marks(name: str, at: NDArray[np.int64], colour: str, symbol: str, size: flo
     return _Trace({"type": "scatter3d", "mode": "markers", "marker": marker, "hovertemplate": _hover(name)}, at)
 
 
+def _words(words: tuple[str, ...], at: NDArray[np.int64]) -> _Trace:
+    look = {"type": "scatter3d", "mode": "text", "text": list(words), "textposition": "top right", "hoverinfo": "skip"}
+    return _Trace(look | {"textfont": {"size": 13, "color": INK}}, at)
+
+
 def _cones(names: list[str], at: NDArray[np.int64], along: FloatArray) -> _Trace:
     """Heads of arrows with their tips at points; ``along`` (k, 3) mm is their length and direction."""
     look = {
@@ -247,7 +260,9 @@ def _cones(names: list[str], at: NDArray[np.int64], along: FloatArray) -> _Trace
     return _Trace(look, at)
 
 
-def _packed_motion(sketch: Sketch, motion: Motion, contact: _Contact) -> tuple[dict[str, Any], Deflection]:
+def _packed_motion(
+    sketch: Sketch, motion: Motion, shown: Marked, contact: _Contact
+) -> tuple[dict[str, Any], Deflection]:
     """Coefficients as 16-bit numbers, one row of all points for each coefficient, in units of ``step`` mm."""
     parts = [part.astype(float) for part in (motion.points, motion.responses, motion.loads)]
     mean, swing = _largest_displacement(parts[0][..., :1]), _largest_displacement(_about_mean(parts[0]))
@@ -259,8 +274,9 @@ def _packed_motion(sketch: Sketch, motion: Motion, contact: _Contact) -> tuple[d
     largest = _largest_displacement(of_points)
     size = float(np.linalg.norm(np.ptp(sketch.points, axis=0)))
     magnification = float(f"{_DEFLECTION_FRACTION * size / largest:.2g}") if largest > 0.0 else 1.0
+    tangents = of_points[shown.anchors]
     moving = np.concatenate(
-        [of_points, responses, loads, loads, of_points[contact.points]]
+        [of_points, responses, loads, loads, tangents, tangents, of_points[contact.points]]
     )  # tail and tip of an arrow move with its place
     step = float(np.abs(moving).max()) / FULL_SCALE or 1.0
     numbers = np.rint(moving / step).transpose(2, 0, 1)

@@ -49,7 +49,7 @@ def _caption(sketch: Sketch, picture: StructurePicture) -> str:
 
 
 def _deflection(view: View, picture: StructurePicture) -> str:
-    """What the deflected shape shows; empty where the motion is not known."""
+    """The words below the deflected shape; empty if the motion is unknown."""
     shape = picture.deflection
     if shape is None:
         return ""

@@ -21,6 +21,7 @@ from stickslip.reporting.structure_view import (
     directions,
     glass_bodies,
     round_length,
+    visible_faces,
 )
 from stickslip.reporting.style import body_colour, face_colour
 from stickslip.results.record import StudyRecord
@@ -39,6 +40,7 @@ _GLASS = 0.22  # opacity of bodies that would hide the contact
 _AXES_FRACTION = 0.2  # of the width of a panel, for the axes below and the labels above
 _FILLED = 0.8  # of a panel, by the box that it shows
 _DARKEST = 0.65
+_LEAST_VISIBLE = 0.05  # chosen: of a contact face whose sliding directions are shown
 _NEARER = 0.01  # of the diagonal of the structure
 _LIGHT = np.array([-0.3, 0.6, 0.9])  # right, up, towards the eye
 _MM = 1e3  # m to mm
@@ -75,7 +77,7 @@ def still_picture(study: StudyRecord, sketch: Sketch, paint: Paint | None = None
 def structure_figure(study: StudyRecord, sketch: Sketch, paint: Paint | None = None) -> Figure:
     """The figure of :func:`still_picture`; with ``paint`` it has a bar of colours instead of names."""
     camera = best_camera(sketch)
-    shown = marked(sketch)
+    shown = marked(study, sketch)
     whole = Extent.around(shown.places)
     close = contact_extent(sketch, camera)
     views = {"": whole} if close is None else {"Whole structure": whole, "Contact": close}
@@ -91,6 +93,8 @@ def structure_figure(study: StudyRecord, sketch: Sketch, paint: Paint | None = N
         _set_view(axes, camera, extent, extent is close)
         _bodies(axes, sketch, camera, paint)
         _marks(axes, sketch, shown)
+        if paint is None:
+            _tangents(axes, shown, visible_faces(sketch, camera))
         width = _PANEL_INCHES * 72.0 / _POINTS_PER_PX
         px_per_m = _FILLED * width / float(extent.projected_size(camera)[:2].max())
         frame = Frame(camera, extent.middle, px_per_m, width, width * panel / _PANEL_INCHES)
@@ -191,6 +195,20 @@ def _marks(axes: Any, sketch: Sketch, shown: Marked) -> None:
         axes.quiver(*tail, *(tip - tail), color=INK, linewidth=1.6, linestyle=style, arrow_length_ratio=0.3, zorder=4)
     places = _MM * sketch.response_places
     axes.scatter(*places.T, s=22, color=BLUE, edgecolor="white", linewidths=0.6, zorder=5, depthshade=False)
+
+
+def _tangents(axes: Any, shown: Marked, visible: FloatArray) -> None:
+    """The sliding directions of the contact faces, of each of which the fraction ``visible`` (n_faces,) is seen."""
+    from matplotlib.patheffects import withStroke
+
+    arrows = zip(shown.starts, shown.ends, shown.tangents, shown.tangent_faces, strict=True)
+    for start, end, name, face in arrows:
+        if visible[face] < _LEAST_VISIBLE:
+            continue
+        tail, tip = _MM * shown.places[start], _MM * shown.places[end]
+        axes.quiver(*tail, *(tip - tail), color=INK, linewidth=1.0, arrow_length_ratio=0.3, zorder=4)
+        halo = [withStroke(linewidth=2.0, foreground="white")]
+        axes.text(*(tail + 1.15 * (tip - tail)), name, fontsize=6, color=INK, path_effects=halo, zorder=6)
 
 
 def _write(axes: Any, label: Label, place: FloatArray) -> None:

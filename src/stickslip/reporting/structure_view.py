@@ -93,20 +93,26 @@ def best_camera(sketch: Sketch) -> Camera:
     return next(camera for camera, share in zip(cameras, shown, strict=True) if _CLEARLY_MORE * share >= best)
 
 
-def _visible_contact(sketch: Sketch, camera: Camera) -> float:
-    """Visible fraction of the contact area: half of it is that of the least visible face, half that of all faces."""
+def visible_faces(sketch: Sketch, camera: Camera) -> FloatArray:
+    """(n_faces,) visible fraction of the area of each contact face: through glass, or if it looks at the eye."""
     contact = sketch.face >= 0
-    if not contact.any():
-        return 0.0
     vectors, face = area_vectors(sketch)[contact], sketch.face[contact]
     towards, glass = vectors @ camera.axes[2], glass_bodies(sketch, camera)[sketch.body[contact]]
-    n_faces = int(face.max()) + 1
+    n_faces = int(face.max(initial=-1)) + 1
     area = np.bincount(face, np.linalg.norm(vectors, axis=1), minlength=n_faces)
     # Of two sides that touch one looks here; a face on the ground may be seen through its own body.
     solid = np.bincount(face, np.where(glass, 0.0, towards.clip(0.0)), minlength=n_faces)
     through = np.bincount(face, np.where(glass, -towards.clip(None, 0.0), 0.0), minlength=n_faces)
-    share = (np.maximum(solid, through) / np.where(area > 0.0, area, 1.0))[area > 0.0]
-    return 0.5 * float(share.min() + share.mean())
+    return np.asarray(np.maximum(solid, through) / np.where(area > 0.0, area, 1.0))
+
+
+def _visible_contact(sketch: Sketch, camera: Camera) -> float:
+    """Visible fraction of the contact area: half of it is that of the least visible face, half that of all faces."""
+    shown = np.unique(sketch.face[sketch.face >= 0])
+    if not shown.size:
+        return 0.0
+    fraction = visible_faces(sketch, camera)[shown]
+    return 0.5 * float(fraction.min() + fraction.mean())
 
 
 def contact_extent(sketch: Sketch, camera: Camera) -> Extent | None:

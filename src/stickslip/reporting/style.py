@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,17 +62,39 @@ def length(value: float) -> tuple[str, str]:
     return number(factor * value), unit
 
 
+def energy(value: float) -> tuple[str, str]:
+    """An energy in J as a number with readable digits and its unit: J, mJ, µJ or nJ."""
+    factor, unit = energy_unit(abs(value))
+    return tile_number(factor * value), unit
+
+
+def tile_number(value: float, digits: int = 4) -> str:
+    """A number for a tile of the summary, which is narrow: two digits where it has an exponent."""
+    has_exponent = value != 0.0 and not _PLAIN[0] <= abs(value) < _PLAIN[1]
+    return number(value, min(digits, 2) if has_exponent else digits)
+
+
 def number(value: float | int | str, digits: int = 4) -> str:
     """A number as a reader expects it: no exponent between 0.001 and 1e6, a true minus sign."""
     if isinstance(value, str):
         return value
     if isinstance(value, int | np.integer):
         return f"{int(value)}"
-    if value != 0 and not 1e-3 <= abs(value) < 1e6:
+    if value != 0 and not _PLAIN[0] <= abs(value) < _PLAIN[1]:
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        return f"{_short(mantissa)} × 10{str(int(exponent)).translate(_RAISED)}"
+        return _power(_short(mantissa), exponent)
     decimals = digits - 1 - int(np.floor(np.log10(abs(value)))) if value else 0
     return _short(f"{value:.{max(decimals, 0)}f}")
+
+
+def raised(words: str) -> str:
+    """Words with each "8.2e-04" in them as "8.2 × 10⁻⁴", and with true minus signs before numbers."""
+    return re.sub(r"(?<![\w.])(-?\d[\d.]*)(?:e([-+]?\d+))?", lambda found: _power(*found.groups()), words)
+
+
+def _power(mantissa: str, exponent: str | None) -> str:
+    power = "" if exponent is None else f" × 10{str(int(exponent)).translate(_RAISED)}"
+    return f"{mantissa.replace('-', '−')}{power}"
 
 
 def shown_number(value: float | int | str, unit: str) -> str:
@@ -79,6 +102,7 @@ def shown_number(value: float | int | str, unit: str) -> str:
     return hertz(value).replace("-", "−") if unit == "Hz" and isinstance(value, float) else number(value)
 
 
+_PLAIN = (1e-3, 1e6)  # sizes of numbers without an exponent
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 

@@ -16,7 +16,7 @@ from stickslip.reporting import sweep_plots as plots
 from stickslip.reporting.best_of_worst import best_of_worst
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.look import Figure, plain_figures
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import MICRO, length, number, shown_number
 from stickslip.reporting.sweep_performance import optima, performance
 from stickslip.reporting.sweep_styles import LEGEND_ENTRIES, styles_of
 from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, peak_remark, short_name, value_words
@@ -133,7 +133,7 @@ def _tiles(view: SweepView) -> Iterator[Tile]:
             ("Lowest peak", min(rows, key=lambda r: peak[r])),
             ("Highest peak", max(rows, key=lambda r: peak[r])),
         ):
-            yield Tile(words, number(MICRO * float(peak[place])), "µm", view.label(place))
+            yield Tile(words, *length(float(peak[place])), view.label(place))
     open_ends = int((view.usable() & ~inside).sum())
     if open_ends:
         words = "cases whose largest amplitude is at an end of the range"

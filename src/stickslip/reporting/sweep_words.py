@@ -1,4 +1,4 @@
-"""What slow sweeps do on a curve, in words for its page."""
+"""Slow sweeps along a curve, in words for its page."""
 
 from __future__ import annotations
 

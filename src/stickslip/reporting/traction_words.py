@@ -14,12 +14,12 @@ from stickslip.results.curve_figure import TRACTION_CURVES
 from stickslip.results.traction_band import TractionBand
 
 _WHY = (
-    "Statics does not determine the tractions of friction at rest, and a pair keeps its own until it slips: this curve "
-    "is one of a continuum."
+    "Statics does not determine the tractions of friction at rest, and a pair retains its own until it slips: this "
+    "curve is one of a continuum."
 )
-_NOT_ASKED = (
-    "How far peak and jumps can move with them was not computed, because it takes several curves more: use stickslip "
-    "run --traction-band, or set traction_band = true in [analysis] of the study file."
+_NOT_COMPUTED = (
+    "How far peak and jumps can move with them was not computed, because it requires several further curves: use "
+    "stickslip run --traction-band, or set traction_band = true in [analysis] of the study file."
 )
 _LIMITS = (
     "Each of these curves is a solution, so the true range is at least as wide. It can be wider, because the tractions "
@@ -57,7 +57,7 @@ def _sentences(view: View) -> Iterator[str]:
     band = view.response.traction_band
     yield _WHY
     if band is None:
-        yield _NOT_ASKED if view.study.disk is None else _NOT_OF_A_SECTOR
+        yield _NOT_COMPUTED if view.study.disk is None else _NOT_OF_A_SECTOR
         return
     yield from _ranges(view, band)
     yield from _starts(band)
@@ -83,7 +83,7 @@ def _ranges(view: View, band: TractionBand) -> Iterator[str]:
 
 
 def _starts(band: TractionBand) -> Iterator[str]:
-    """How many starts of the optimisation agree."""
+    """The number of starts of the optimisation that agree."""
     for values, name, best_of in ((band.raised_peaks, "highest", max), (band.lowered_peaks, "lowest", min)):
         if values is not None:
             best = best_of(values.tolist())

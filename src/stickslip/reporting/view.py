@@ -93,7 +93,7 @@ class View:
 
     @property
     def unloaded_words(self) -> str:
-        """What pairs without a pressure at rest are."""
+        """The words for pairs without a pressure at rest."""
         return "open at rest" if self.response.pairs.is_coulomb else "open at rest, or of a law without a normal load"
 
     @property

@@ -15,7 +15,7 @@ from stickslip.reporting.view import View
 from stickslip.results.wear import Wear
 
 _LIMITS = (
-    "What limits trust: one coefficient holds for all pairs at all times, and measurements of it scatter widely; "
+    "What limits trust: one coefficient applies to all pairs at all times, and measurements of it scatter widely; "
     "debris leaves the joint at once; tractions at rest are released; the motion is periodic at each state. Depth "
     "depends on the product of coefficient and cycles alone: another coefficient only stretches the cycles."
 )

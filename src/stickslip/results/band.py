@@ -143,7 +143,7 @@ def limit_of(
 
 @dataclass(frozen=True)
 class Exceedance:
-    """How often a limit is exceeded.
+    """The probability that a limit is exceeded.
 
     exceeded:
         number of samples beyond the limit.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from stickslip.core.short_repr import short_repr
 from stickslip.core.units import Quantity
 from stickslip.core.validation import FloatArray, require_choice
 from stickslip.results.campbell_plot import campbell_plot
@@ -18,14 +19,14 @@ if TYPE_CHECKING:
 
 SPEED_KEY = "rotation.speed"
 RPM = 60.0 / (2.0 * np.pi)  # rad/s to revolutions per minute
-SHOWN_MODES = 6  # chosen: more lines cannot be told apart
+SHOWN_MODES = 6  # chosen: more lines cannot be distinguished
 ABOVE = 1.25  # chosen: modes up to this multiple of the highest computed excitation frequency
 MOST_ORDERS = 24  # chosen: more engine orders cover the figure
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where a natural frequency equals a multiple of the speed: mode and order from 1, speed in rpm, Hz."""
+    """A natural frequency ``frequency_hz`` that is a multiple of the speed ``speed_rpm``; mode and order from 1."""
 
     mode: int
     order: int
@@ -50,6 +51,8 @@ class Campbell:
     stuck_hz: FloatArray
     free_hz: FloatArray
 
+    __repr__ = short_repr
+
     @property
     def highest_hz(self) -> float:
         """The highest frequency of both limits."""
@@ -64,7 +67,7 @@ class Campbell:
         return tuple(range(first, min(last, first + MOST_ORDERS - 1) + 1))
 
     def crossings(self, limit: Literal["stuck", "free"] = "stuck") -> tuple[Crossing, ...]:
-        """Where the frequencies of a limit cross the lines of the ``orders``, sorted by speed."""
+        """The crossings of the frequencies of a limit with the lines of the ``orders``, sorted by speed."""
         require_choice("limit", limit, ("stuck", "free"))
         return crossings(self.speed_rpm, self.stuck_hz if limit == "stuck" else self.free_hz, self.orders)
 
@@ -110,7 +113,7 @@ def crossings(speed_rpm: FloatArray, frequency_hz: FloatArray, orders: Sequence[
 
     Sorted by speed. A frequency that touches a line at a speed counts once.
     """
-    found = []
+    crossings = []
     for order in orders:
         excess = frequency_hz - order * speed_rpm[:, None] / 60.0
         for mode in range(frequency_hz.shape[1]):
@@ -120,5 +123,5 @@ def crossings(speed_rpm: FloatArray, frequency_hz: FloatArray, orders: Sequence[
                 if np.isnan(low + high) or low * high > 0.0 or low == high or ends_here:
                     continue
                 speed = speed_rpm[at] + low / (low - high) * (speed_rpm[at + 1] - speed_rpm[at])
-                found.append(Crossing(mode + 1, order, float(speed), order * float(speed) / 60.0))
-    return tuple(sorted(found, key=lambda crossing: crossing.speed_rpm))
+                crossings.append(Crossing(mode + 1, order, float(speed), order * float(speed) / 60.0))
+    return tuple(sorted(crossings, key=lambda crossing: crossing.speed_rpm))

@@ -193,7 +193,7 @@ class StartResult:
 
 @dataclass(frozen=True)
 class Sharpness:
-    """How the optimum changes along one key, all others constant.
+    """The change of the optimum along one key, all others constant.
 
     values, objective, excess:
         (n,) rising values of the key in SI, the objective in SI (NaN failed), and the violation of limits there.
@@ -364,11 +364,11 @@ def _equally_high(result: DesignResult, best: Evaluation) -> Iterator[str]:
 
 
 def agreement_sentence(result: DesignResult) -> str:
-    """How many descents agree with the best one."""
+    """Number of descents that agree with the best one."""
     count, value = len(result.starts), sum(each.same_value for each in result.starts)
     place = sum(each.same_place for each in result.starts)
     words = f"{value} of {count} starts reach the same optimum within {100 * SAME_VALUE:g} % of its value"
     if place < value:
         words += f", {place} of them at the same design"
-    warning = " One start alone found it, so another, better optimum is possible: give more samples and starts."
+    warning = " Only one start leads to it, so a better optimum is possible: use more samples and starts."
     return f"{words}.{warning if value == 1 and count > 1 else ''}"

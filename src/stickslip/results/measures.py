@@ -130,7 +130,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         peaks(response.linear.frequency_hz, response.linear_amplitude(output, limit))[0] for limit in ("stuck", "free")
     )
     point = peak.point
-    friction = float(response.friction_energy[point].sum())
+    friction = _beyond_round_off(float(response.friction_energy[point].sum()), float(response.input_energy[point]))
     viscous = float(response.viscous_energy[point])
     energy = response.friction_energy.sum(axis=1)
     counts = state_counts(response.contact_state[point][None])[0]
@@ -244,6 +244,11 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         ("Work of the excitation", number(result.input_energy, 1e6), "µJ per cycle"),
         ("Largest energy imbalance on the curve", _imbalance_words(result.energy_imbalance), "of input"),
     ]
+
+
+def _beyond_round_off(energy: float, supplied: float) -> float:
+    """An energy, 0 if it is round-off of the ``supplied`` one: the sum over stuck pairs is not exactly zero."""
+    return 0.0 if abs(energy) <= ROUND_OFF * abs(supplied) else energy
 
 
 def _imbalance_words(value: float) -> str:

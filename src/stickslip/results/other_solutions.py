@@ -14,7 +14,7 @@ from stickslip.results.variables import Count, Flags, stored
 
 @dataclass(frozen=True, eq=False)
 class OtherSolutions(SideCurves):
-    """What a search for other solutions looked for, and the curves that it found.
+    """The result of a search for other solutions: its starts, and the curves beside the computed one.
 
     No curve proves nothing: a motion that few starts lead to can be missed.
 
@@ -55,7 +55,7 @@ class OtherSolutions(SideCurves):
         return f"OtherSolutions({self.words()})"
 
     def words(self) -> str:
-        """What the search did and found, in one sentence."""
+        """The extent and the result of the search, in one sentence."""
         starts = (
             f"time integration from {self.random_starts} random states and Newton's method from {self.random_motions} "
             f"random motions (seed {self.seed}) and {self.changes} changes of contact states"

@@ -1,4 +1,4 @@
-"""What each analysis beside the curve gives to the results of a study."""
+"""Interface of the results of an analysis beside the curve."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ GRID_PER_INTERVAL = 8
 LEAST_RISE = 0.01
 STUCK_OPTIMUM = (
     "No pair slips there: the excitation hardly drives the stuck mode, so the peak is low without friction, and only "
-    "in a narrow range. With slip, the lowest peak is that of the other minima."
+    "in a range so narrow that this value is approximate. With slip, the lowest peak is that of the other minima."
 )
 
 
@@ -272,9 +272,9 @@ class PeakRidge(Labelled):
         top, best = self.highest(), self.optimum
         known = np.flatnonzero(top.ridge >= 0)
         valleys, _ = find_peaks(-np.log(top.amplitude[known]), prominence=LEAST_RISE)
-        found = [_optimum(top, int(place)) for place in known[valleys]]
+        minima = [_optimum(top, int(place)) for place in known[valleys]]
         return tuple(
-            sorted((each for each in found if each.parameter != best.parameter), key=lambda each: each.amplitude)
+            sorted((each for each in minima if each.parameter != best.parameter), key=lambda each: each.amplitude)
         )
 
     @property

@@ -1,4 +1,4 @@
-"""What results along a curve of periodic motions have in common: amplitudes, signals, pairs, and their file.
+"""Common parts of results along a curve of periodic motions: amplitudes, signals, pairs, and their file.
 
 Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, sin 2, ...:
 ``u(t) = c_0 + sum_k c_k cos(k w t) + s_k sin(k w t)``, ``w = 2 pi f``.

@@ -16,6 +16,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.plain_data import dotted, plain
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.disk import Disk
+from stickslip.results.face_directions import FaceDirections
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
@@ -29,6 +30,7 @@ from stickslip.results.variables import (
     Numbers,
     Text,
     WholeNumbers,
+    require_shape,
     stored,
 )
 
@@ -62,6 +64,9 @@ class StudyRecord(Labelled):
         (n_pairs, 2) m, position of each pair in its face: along the length, across the width.
     pair_area:
         (n_pairs,) m2.
+    pair_point:
+        (n_pairs, 3) m, position of each pair in the axes of the mesh; None for matrices without positions, and in files
+        of earlier versions.
     mode_table:
         rows with some of the keys mode, description, full_hz, reduced_hz, difference_percent, mac, reference_hz; no
         difference and mac where a body moves freely, no reference_hz for a mode that has none.
@@ -74,6 +79,8 @@ class StudyRecord(Labelled):
         (name, value, unit, explanation) of derived quantities: face stiffness, Sq, preload, ...
     warnings:
         messages of the study itself; those of the solver are in the response.
+    face_directions:
+        position and sliding directions of each face in the structure; None for results files of older versions.
     sketch:
         data for a picture of the structure; None for matrices without a mesh, and for the cases of a sweep.
     stress:
@@ -116,6 +123,10 @@ class StudyRecord(Labelled):
         )
     )
     pair_area: FloatArray = field(metadata=stored(Numbers(("pair",), "m2", "nominal area of the pair")))
+    pair_point: FloatArray | None = field(
+        default=None,
+        metadata=stored(Numbers(("pair", "axis"), "m", "position of the pair: x, y, z of the mesh", optional=True)),
+    )
     mode_table: tuple[dict[str, str | float | int], ...] = field(
         default=(), metadata=stored(Json(list[dict[str, Value]], "mode table, JSON list of rows"))
     )
@@ -133,6 +144,9 @@ class StudyRecord(Labelled):
         ),
     )
     warnings: tuple[str, ...] = field(default=(), metadata=stored(Json(list[str], "warnings of the study, JSON list")))
+    face_directions: FaceDirections | None = field(
+        default=None, metadata=stored(InGroup.of(FaceDirections, optional=True))
+    )
     sketch: Sketch | None = field(default=None, metadata=stored(InGroup.of(Sketch, optional=True)))
     stress: StressSummary | None = field(default=None, metadata=stored(InGroup.of(StressSummary, optional=True)))
     disk: Disk | None = field(default=None, metadata=stored(InGroup.of(Disk, optional=True)))
@@ -165,6 +179,8 @@ class StudyRecord(Labelled):
                 f"shapes are {face.shape}, {position.shape} and {area.shape}.",
                 arguments=["pair_face"],
             )
+        if self.pair_point is not None:
+            require_shape("pair_point", finite_array("pair_point", self.pair_point), (face.size, 3))
         if not np.isin(face, np.arange(len(self.face_names))).all():
             raise InputError(
                 f"pair_face must number the faces 0 to {len(self.face_names) - 1} of face_names.",
@@ -173,6 +189,12 @@ class StudyRecord(Labelled):
         if self.sketch is not None and not np.isin(self.sketch.face, np.arange(-1, len(self.face_names))).all():
             raise InputError(
                 f"face of the sketch must be -1 or a face from 0 to {len(self.face_names) - 1}.", arguments=["face"]
+            )
+        if self.face_directions is not None and len(self.face_directions.middle) != len(self.face_names):
+            raise InputError(
+                f"face_directions has {len(self.face_directions.middle)} faces, but face_names has "
+                f"{len(self.face_names)}.",
+                arguments=["face_directions"],
             )
         mode_table, mode_reference = _with_reference(self.mode_table, self.mode_reference)
         object.__setattr__(self, "outputs", rows)

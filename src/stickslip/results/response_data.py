@@ -76,6 +76,9 @@ class ResponseData(PeriodicMotions):
     stable: NDArray[np.bool_] | None = field(
         default=None, metadata=stored(Flags(CURVE, "1", "1 if small disturbances decay", optional=True))
     )
+    doubtful: NDArray[np.bool_] | None = field(
+        default=None, metadata=stored(Flags(CURVE, "1", "1 if the verdict on stability is doubtful", optional=True))
+    )
     multipliers: NDArray[np.complex128] | None = field(
         default=None,
         metadata=stored(ComplexNumbers(("point", "multiplier"), "1", "largest Floquet multipliers", optional=True)),

@@ -17,7 +17,7 @@ BifurcationKind = Literal["fold", "branch point", "period doubling", "torus"]
 
 @dataclass(frozen=True)
 class Bifurcation:
-    """Where a multiplier leaves or enters the unit circle along a curve.
+    """A point of a curve at which a multiplier leaves or enters the unit circle.
 
     Attributes
     ----------

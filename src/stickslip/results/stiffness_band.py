@@ -1,4 +1,4 @@
-"""How far a curve moves with a contact stiffness that was not measured: the curves at both ends of its band."""
+"""The effect of a contact stiffness that was not measured: the curves at both ends of its band."""
 
 from __future__ import annotations
 

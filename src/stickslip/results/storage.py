@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.results.groups import groups_bytes, read_groups, write_groups
+from stickslip.results.periodic_motions import CURVE
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.stored import StoredGroup
+from stickslip.results.variables import Variables, variable
 
 if TYPE_CHECKING:
     import xarray
@@ -54,8 +56,16 @@ def _groups(response: ForcedResponse, study: StudyRecord | None) -> dict[str, xa
     groups = response.to_groups()
     if study is not None:
         study.require_fit(response)
+        groups[""] = groups[""].assign(_amplitude(response, study))
         groups |= study.to_groups(_STUDY)
     return groups
+
+
+def _amplitude(response: ForcedResponse, study: StudyRecord) -> Variables:
+    """The curve of the first response, for readers of the file; stickslip computes it from the displacement."""
+    name = study.response_output
+    values = response.amplitude(study.outputs[name])
+    return {"amplitude": variable(CURVE, values, "m", f"0-to-peak amplitude of {name}, mean included")}
 
 
 def _saved(root: StoredGroup) -> SavedResults:

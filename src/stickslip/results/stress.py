@@ -18,7 +18,7 @@ STATIC_STATES = ("solved", "prescribed", "none")
 
 
 class Region(IntEnum):
-    """Where a node of a stress is."""
+    """The location of a node."""
 
     ORDINARY = 0
     CONTACT = 1  # on a contact face, or in a cell that touches one
@@ -128,8 +128,8 @@ class StressSummary(Labelled):
 
     def extreme(self, quantity: str) -> StressExtreme:
         """The extreme of a measure away from contacts and loads. Raises InputError for an unknown one."""
-        found = [row for row in self.extremes if row.quantity == quantity]
-        if not found:
+        rows = [row for row in self.extremes if row.quantity == quantity]
+        if not rows:
             names = ", ".join(row.quantity for row in self.extremes)
             raise InputError(f'quantity is "{quantity}", but must be one of {names}.', arguments=["quantity"])
-        return found[0]
+        return rows[0]

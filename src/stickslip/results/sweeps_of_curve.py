@@ -1,4 +1,4 @@
-"""What slow sweeps of the frequency see of a curve that may fold: their paths, their jumps and their peaks.
+"""Slow sweeps of the frequency along a curve that may fold: their paths, their jumps and their peaks.
 
 A slow sweep at constant excitation stays on stable motions. At a fold its branch ends, and the motion jumps to another
 stable one at the same frequency. A *place* on a curve counts its points: 12.5 is halfway between the points 12 and 13.
@@ -202,8 +202,8 @@ def _sweep(
     )
     gaps = tuple((sign * first, sign * last) for first, last in path.gaps)
     leaves = None if path.leaves_at is None else sign * path.leaves_at
-    found = _peaks_of_path(frequency, height, part, path, {jump.place_from: jump.frequency_hz for jump in jumps})
-    return SlowSweep(direction, tuple(path.runs), jumps, gaps, leaves, found)
+    tops = _peaks_of_path(frequency, height, part, path, {jump.place_from: jump.frequency_hz for jump in jumps})
+    return SlowSweep(direction, tuple(path.runs), jumps, gaps, leaves, tops)
 
 
 def _peaks_of_path(

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.contact.law.law import ContactState
 from stickslip.results.measures import SUMMARY_COLUMNS, energy_imbalance, equivalent_damping, state_counts, summary
+from stickslip.results.pair_measures import pair_measures
 from stickslip.results.record import MODE_COLUMNS, StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.table import Table, column_of
@@ -63,6 +64,8 @@ def _curve(response: ForcedResponse, study: StudyRecord) -> Table:
         column_of("residual", "1", response.residual),
         column_of("iterations", "", response.iterations),
     ]
+    if response.doubtful is not None:
+        columns.append(column_of("doubtful stability", "", response.doubtful.astype(int)))
     if response.estimated_error is not None and response.point_harmonics is not None:
         columns.append(column_of("harmonics", "", response.point_harmonics))
         columns.append(column_of("estimated error", "1", response.estimated_error))
@@ -101,7 +104,7 @@ def _outputs_at_peak(response: ForcedResponse, study: StudyRecord) -> Table:
 
 def _pairs_at_peak(response: ForcedResponse, study: StudyRecord) -> Table:
     point = summary(response, study.outputs[study.response_output]).peak.point
-    pairs = response.pairs
+    pairs, measured = response.pairs, pair_measures(response, point)
     names = pairs.state_names
     states = [names.get(ContactState(code), "") for code in response.contact_state[point].tolist()]
     columns = (
@@ -112,10 +115,16 @@ def _pairs_at_peak(response: ForcedResponse, study: StudyRecord) -> Table:
         column_of("area", "m2", study.pair_area),
         column_of("normal load at rest", "N", pairs.normal_load),
         column_of("state", "", states),
+        column_of("stick fraction", "1", measured.stick_fraction),
+        column_of("slip fraction", "1", measured.slip_fraction),
+        column_of("separated fraction", "1", measured.separated_fraction),
+        column_of("slip distance", "m", measured.slip_distance),
+        column_of("mean normal pressure", "Pa", measured.mean_normal_force / study.pair_area),
         column_of("dissipated energy", "J", response.dissipated_energy[point]),
         column_of("work of the normal force", "J", response.normal_work[point]),
     )
-    return Table("pairs_at_peak", "contact pairs at the highest peak; energies per cycle", columns)
+    words = "contact pairs at the highest peak; fractions of the period; slip distance, energy and work per cycle"
+    return Table("pairs_at_peak", words, columns)
 
 
 def _jumps(response: ForcedResponse, study: StudyRecord) -> Table:

@@ -1,4 +1,4 @@
-"""How far a curve can move with the residual tractions of its pairs, which statics does not determine."""
+"""The range of a curve with the residual tractions of its pairs, which statics does not determine."""
 
 from __future__ import annotations
 
@@ -109,5 +109,5 @@ def _at(curve: SideCurve, frequency_hz: float) -> list[float]:
     """Amplitudes at a frequency on steps between stable points."""
     f, a = curve.frequency_hz, curve.amplitude
     passes = (f[:-1] - frequency_hz) * (f[1:] - frequency_hz) <= 0.0
-    found = np.flatnonzero(passes & curve.stable[:-1] & curve.stable[1:] & (f[:-1] != f[1:]))
-    return [float(a[i] + (frequency_hz - f[i]) / (f[i + 1] - f[i]) * (a[i + 1] - a[i])) for i in found]
+    before = np.flatnonzero(passes & curve.stable[:-1] & curve.stable[1:] & (f[:-1] != f[1:]))
+    return [float(a[i] + (frequency_hz - f[i]) / (f[i + 1] - f[i]) * (a[i + 1] - a[i])) for i in before]

@@ -62,13 +62,13 @@ class Motions:
     @cached_property
     def motion(self) -> FloatArray:
         """u (k, 2H+1, N)."""
-        found: dict[float, FloatArray] = {}
+        motions: dict[float, FloatArray] = {}
         for adjoint in self._adjoints:
-            if adjoint.place.place not in found:
+            if adjoint.place.place not in motions:
                 place = adjoint.place
                 trial = place.point.trial
-                found[place.place] = self._lifted(place.balance.displacement([trial])[0], trial.omega)
-        return np.array([found[adjoint.place.place] for adjoint in self._adjoints])
+                motions[place.place] = self._lifted(place.balance.displacement([trial])[0], trial.omega)
+        return np.array([motions[adjoint.place.place] for adjoint in self._adjoints])
 
     @cached_property
     def adjoint(self) -> FloatArray:

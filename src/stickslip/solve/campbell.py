@@ -28,7 +28,7 @@ def campbell_diagram(
     """Natural frequencies with stuck contact and without contact over the speed, and their crossings with engine
     orders.
 
-    Frequencies are those in the rotating frame, without damping: an excitation that stands still in space has multiples
+    Frequencies are those in the rotating frame, without damping: an excitation that is constant in space has multiples
     of the speed there, its engine orders. Each speed costs two dense eigenvalue problems and no reduction.
 
     Parameters

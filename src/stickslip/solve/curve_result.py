@@ -122,17 +122,18 @@ def response_of(
     motion, walk = balances.motion(trials, measures.displacement)
     retreats_hz, corners_hz = ([omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners))
     report.stage(f"{len(trials)} points", 1.0)
+    hertz = np.array([trial.omega for trial in trials]) / (2.0 * np.pi)
     return ForcedResponse(
-        frequency_hz=np.array([trial.omega for trial in trials]) / (2.0 * np.pi),
+        frequency_hz=hertz,
         **fields_of(branch.points, trials, measures, motion),
         converged=converged,
         message=f"{how} {'The curve reached the stop frequency.' if converged else message}",
         warnings=notes
-        + excursion_warning(np.array([trial.omega for trial in trials]) / (2.0 * np.pi), window)
+        + excursion_warning(hertz, window)
         + neighbour_warnings(retreats_hz, corners_hz, branch.crossings)
         + tuple(warnings)
         + (() if peaks is None else peaks.warnings())
-        + _stability_warnings(verdict),
+        + _stability_warnings(verdict, hertz),
         harmonics=harmonics,
         samples=balance.samples,
         pairs=balances.shown_pairs,
@@ -148,6 +149,7 @@ def response_of(
         walk=walk,
         part=np.searchsorted(breaks, np.arange(len(trials))),
         stable=None if verdict is None else verdict.stable,
+        doubtful=None if verdict is None else verdict.undecided | verdict.unconfirmed,
         multipliers=None if verdict is None else verdict.multipliers,
         bifurcations=() if verdict is None else verdict.bifurcations,
         stability_message=stability_message,
@@ -183,14 +185,17 @@ def _stability(
     stability = CurveStability.joined(parts)
     unstable = int((~stability.stable).sum())
     sentence = f"{unstable} of {len(trials)} points are unstable." if unstable else "All points are stable."
-    if stability.undecided:
-        sentence += f" {stability.undecided} are too close to a change of stability for a sure verdict."
+    undecided, unconfirmed = int(stability.undecided.sum()), int(stability.unconfirmed.sum())
+    if undecided:
+        sentence += f" {undecided} are too close to a change of stability for a sure verdict."
+    if unconfirmed:
+        sentence += f" At {unconfirmed} more harmonics do not confirm the verdict."
     return stability, sentence
 
 
-def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
-    """Warnings where the stability changes without a fold, which errors of the multipliers can feign, and where the
-    multiplier at a fold is far from 1."""
+def _stability_warnings(stability: CurveStability | None, hertz: FloatArray) -> tuple[str, ...]:
+    """Warnings where the stability changes without a fold, which errors of the multipliers can feign, where the
+    multiplier at a fold is far from 1, and where more harmonics do not confirm the verdict."""
     if stability is None:
         return ()
     warnings = []
@@ -207,6 +212,14 @@ def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
             f"At a fold a multiplier is {stability.error_at_folds:.2f} from 1, where it belongs: the solution neglects "
             "harmonics that its small disturbances contain. Near the folds the verdicts follow from them; elsewhere "
             "real multipliers have an error of this size. Run again with more harmonics, or with a finer accuracy."
+        )
+    unconfirmed = hertz[stability.unconfirmed]
+    if unconfirmed.size:
+        warnings.append(
+            f"The stability of {unconfirmed.size} of {hertz.size} points from {unconfirmed.min():.3f} to "
+            f"{unconfirmed.max():.3f} Hz is doubtful: corrected with more harmonics, the motion has another verdict or "
+            "is not known. Run again with more harmonics, or with a finer accuracy, before you trust stable and "
+            "unstable parts or the jumps of slow sweeps there."
         )
     return tuple(warnings)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any, Protocol
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
@@ -15,6 +16,9 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.cyclic.balances import sector_balances
 from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic.compliance import require_one_size
+from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
+from stickslip.solve.harmonic.linear import LinearLimit, elastic_hz
 from stickslip.solve.harmonic.neglected import more_harmonics
 from stickslip.solve.setting_up import CurveBalances, prepare_balances
 from stickslip.solve.traction_band import checked_band_output
@@ -37,7 +41,10 @@ class CurveInput:
 
 
 class CurveStructure(Protocol):
-    """A structure, or a sector of a disk, that gives the balances of a curve. Both methods raise InputError."""
+    """A structure, or a sector of a disk, that gives the balances of a curve. All methods raise InputError."""
+
+    def highest_elastic_hz(self, pairs: ContactPairs, count: int) -> float:
+        """Hz, the highest of the first ``count`` elastic natural frequencies of each linear limit."""
 
     def band_output(self, pairs: ContactPairs, row: ArrayLike) -> FloatArray:
         """The output row of a band of residual tractions."""
@@ -60,6 +67,13 @@ def curve_structure(structure: Any) -> CurveStructure:
 class _Structure:
     superelement: Superelement
 
+    def highest_elastic_hz(self, pairs: ContactPairs, count: int) -> float:
+        require_one_size(self.superelement, pairs)
+        undamped = np.zeros_like(self.superelement.mass)
+        stiffness = stuck_stiffness_matrix(self.superelement, pairs), self.superelement.stiffness
+        limits = (LinearLimit.of_matrices(self.superelement.mass, each, undamped) for each in stiffness)
+        return max(float(elastic[:count][-1]) for elastic in map(elastic_hz, limits) if elastic.size)
+
     def band_output(self, pairs: ContactPairs, row: ArrayLike) -> FloatArray:
         return checked_band_output(pairs, row, self.superelement.size)
 
@@ -74,6 +88,12 @@ class _Structure:
 @dataclass(frozen=True)
 class _Sector:
     sector: CyclicSector
+
+    def highest_elastic_hz(self, pairs: ContactPairs, count: int) -> float:
+        # Without contact alone: stuck contact raises these frequencies by much less than the range that damping has.
+        every = (self.sector.lagged(diameter) for diameter in self.sector.diameters)
+        limits = (LinearLimit.of_matrices(each.mass, each.stiffness, np.zeros_like(each.mass)) for each in every)
+        return max(float(elastic[:count][-1]) for elastic in map(elastic_hz, limits) if elastic.size)
 
     def band_output(self, pairs: ContactPairs, row: ArrayLike) -> FloatArray:
         raise InputError(

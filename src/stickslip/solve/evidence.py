@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import with_rows
-from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import amplitude_ramp, at_frequency
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.setting_up import CurveBalances
+from stickslip.solve.settled_motion import NOT_SOUGHT, SAME, SettledMotion, settled_motion
 from stickslip.solve.transient.integrate import (
     TransientResponse,
     check_integration,
+    coulomb_alone,
     start_of_motion,
 )
 
@@ -31,9 +32,9 @@ SETTLED, LONGEST = 1e-3, 8
 HORIZON = 3 * LONGEST
 # chosen: distance of the time integration from the last point of the curve, over the range.
 BESIDE = 1e-4
-# chosen: a settled motion is also looked for with so many times the harmonics, if the equations have no more rows than
-# this; a solution farther from it than this fraction is another motion.
-MORE_HARMONICS, MOST_ROWS, SAME = (1, 2, 4, 8), 12_000, 0.05
+# chosen: where a curve ends, a motion that settles is integrated again with so many times the steps: the contact of
+# rattling bodies is shorter than a usual step.
+FINER = 4
 # Iterations of Newton's method that take as long as a period of a time integration: 1.3 in dampers of the torture set,
 # 12 in a small stiff problem.
 PERIOD_WORK = 2.0
@@ -51,11 +52,12 @@ class Evidence:
         distance of the last period from the motion at the last point of the curve, relative; None from rest.
     repeats_after:
         smallest number of periods after which the motion repeats; None if none up to LONGEST does.
-    tried, given_by:
-        largest number of harmonics with which a settled motion was looked for, None without a search; the number that
-        gives it, None if none does.
-    motion:
-        the settled motion with this number of harmonics.
+    steps_change:
+        distance of the settled motion from that with 1 / FINER of the steps, relative; None without the comparison.
+    harmonics:
+        those of the curve.
+    settled:
+        whether the harmonic balance gives the motion, if it settled.
     """
 
     frequency_hz: float
@@ -63,32 +65,49 @@ class Evidence:
     change: float
     difference: float | None
     repeats_after: int | None
-    tried: int | None = None
-    given_by: int | None = None
-    motion: BalancePoint | None = field(default=None, repr=False, compare=False)
+    steps_change: float | None = None
+    harmonics: int = 0
+    settled: SettledMotion = NOT_SOUGHT
+
+    @property
+    def motion(self) -> BalancePoint | None:
+        """The settled motion as a solution of the harmonic balance, if any number of harmonics with the samples of the
+        curve gives it."""
+        return self.settled.motion
 
     def words(self, varies: bool = False) -> str:
         """One or two sentences; ``varies`` if the curve already chooses its harmonics by an accuracy."""
         start = "rest" if self.difference is None else "the last point"
         begin = f"A time integration from {start}, at {self.frequency_hz:.3f} Hz,"
         if self.repeats_after == 1:
-            away = "" if self.difference is None else f", {100.0 * self.difference:.2g} % away from that point"
-            settles = f"{begin} settles within {self.periods} periods on a motion with the period of the force{away}"
-            if self.tried is None:
-                return f"{settles}: more harmonics and samples may find it."
-            if self.given_by is None:
-                return f"{settles}. No number of harmonics up to {self.tried} gives it: more do not help here."
-            if varies:
-                return f"{settles}. {self.given_by} harmonics give it."
-            return (
-                f"{settles}. {self.given_by} harmonics give it: run again with harmonics = {self.given_by}, or with an "
-                "accuracy."
-            )
+            return self._settled_words(begin, varies)
         if self.repeats_after:
             return f"{begin} ends in a motion that repeats only after {self.repeats_after} periods of the force."
         return (
             f"{begin} has not settled: after {self.periods} periods the last one differs from the one before by "
             f"{100.0 * self.change:.2g} %, and no motion of up to {LONGEST} periods repeats."
+        )
+
+    def _settled_words(self, begin: str, varies: bool) -> str:
+        """Where and how the motion settles, and whether more harmonics help."""
+        found = self.settled
+        away = "" if self.difference is None else f", {100.0 * self.difference:.2g} % away from that point"
+        words = f"{begin} settles within {self.periods} periods on a motion with the period of the force{away}"
+        if self.steps_change is not None:
+            words += f" (with 1/{FINER} of the time steps: {100.0 * self.steps_change:.2g} % away from it)"
+        if found.tried is None:
+            return f"{words}: more harmonics and samples may find it."
+        if found.neglected is not None:
+            words += f". {100.0 * found.neglected:.2g} % of its vibration is in harmonics above {self.harmonics}"
+        if found.given_by is None:
+            return f"{words}. No number of harmonics up to {found.tried} gives it to {100.0 * SAME:.0f} %."
+        if found.given_by == self.harmonics:
+            return f"{words}. The harmonics of the curve give it to {100.0 * found.away:.2g} %: more are no remedy."
+        words += f". {found.given_by} harmonics with {found.samples} samples give it to {100.0 * found.away:.2g} %"
+        if varies:
+            return f"{words}."
+        return (
+            f"{words}: run again with harmonics = {found.given_by} and samples = {found.samples}, or with an accuracy."
         )
 
 
@@ -139,47 +158,69 @@ class Settling:
         point = at_frequency(self._newton, self._curve, guess, omega).point
         return point if point.error <= self._newton.settings.tolerance else None
 
-    def evidence(self, point: BalancePoint, change: float) -> Evidence | None:
-        """What happens close to a point of the curve; None if the joint allows no time integration."""
-        return self._evidence(point, point.trial.omega + BESIDE * change)
+    def evidence(self, point: BalancePoint, change: float, thorough: bool = False) -> Evidence | None:
+        """What happens close to a point of the curve; None if the joint allows no time integration.
 
-    def evidence_from_rest(self, omega: float) -> Evidence | None:
+        ``thorough`` is for the end of a curve: with shorter time steps too, if all pairs follow Coulomb's law, and a
+        longer search with more harmonics.
+        """
+        return self._evidence(point, point.trial.omega + BESIDE * change, thorough)
+
+    def evidence_from_rest(self, omega: float, thorough: bool = False) -> Evidence | None:
         """What happens at a frequency from rest; None if the joint allows no time integration."""
-        return self._evidence(None, omega)
+        return self._evidence(None, omega, thorough)
 
-    def _evidence(self, point: BalancePoint | None, omega: float) -> Evidence | None:
+    def _evidence(self, point: BalancePoint | None, omega: float, thorough: bool) -> Evidence | None:
         motion = self._integrated(point, omega, PERIODS)
         if motion is None or self._in_time is None:
             return None
+        repeats, steps_change = self._repeats(motion), None
+        if thorough and repeats == 1 and coulomb_alone(self._balances.pairs):  # other laws march much slower
+            finer = self._integrated(point, omega, PERIODS, FINER)
+            if finer is not None:
+                steps_change = self._distance(finer, motion)
+                motion, repeats = finer, self._repeats(finer)
         difference = None
         if point is not None:
             found = self._in_time.unknowns(motion, self._harmonics)[1:]
             known = with_rows(point.unknowns, 2 * self._harmonics + 1)[1:]
             difference = float(np.linalg.norm(found - known) / np.linalg.norm(known))
-        change = float(motion.period_change[-1])
-        repeats = 1 if motion.converged else self._repeats_after(motion)
-        tried, given = self._with_harmonics(motion, omega) if repeats == 1 else (None, None)
-        given_by = None if given is None else len(given.measured) // 2
-        periods = motion.period_change.size
-        return Evidence(omega / (2.0 * np.pi), periods, change, difference, repeats, tried, given_by, given)
+        settled = self._with_harmonics(motion, omega, thorough) if repeats == 1 else NOT_SOUGHT
+        return Evidence(
+            omega / (2.0 * np.pi),
+            motion.period_change.size,
+            float(motion.period_change[-1]),
+            difference,
+            repeats,
+            steps_change,
+            self._harmonics,
+            settled,
+        )
 
-    def _with_harmonics(self, motion: TransientResponse, omega: float) -> tuple[int | None, BalancePoint | None]:
-        """Most harmonics with which a settled motion was looked for, and the solution with the fewest that give it."""
-        balances, tried = self._balances, None
-        assert self._in_time is not None  # it gave the motion
-        for multiple in MORE_HARMONICS:
-            harmonics = multiple * self._harmonics
-            rows = 3 * balances.pairs.n_pairs * (2 * harmonics + 1)
-            if SAMPLES_PER_HARMONIC * harmonics > balances.samples or rows > MOST_ROWS:
-                break
-            tried, guess = harmonics, self._in_time.unknowns(motion, harmonics)
-            curve = FrequencyCurve(balances.with_harmonics(harmonics))
-            newton = Newton(curve, self._newton.settings, self._newton.on_iteration)
-            point = at_frequency(newton, curve, guess, omega).point
-            away = float(np.linalg.norm(point.unknowns[1:] - guess[1:]))
-            if point.error <= newton.settings.tolerance and away <= SAME * float(np.linalg.norm(guess[1:])):
-                return tried, point
-        return tried, None
+    def _repeats(self, motion: TransientResponse) -> int | None:
+        """The number of periods after which a motion repeats, None if none up to LONGEST does."""
+        return 1 if motion.converged else self._repeats_after(motion)
+
+    def _distance(self, motion: TransientResponse, other: TransientResponse) -> float:
+        """Between two motions, over the first one, in the harmonics that the steps of both resolve."""
+        assert self._in_time is not None  # it gave the motions
+        most = min(_most_harmonics(each) for each in (motion, other))
+        first, second = (self._in_time.unknowns(each, most)[1:] for each in (motion, other))
+        return float(np.linalg.norm(second - first) / max(float(np.linalg.norm(first)), 1e-300))
+
+    def _with_harmonics(self, motion: TransientResponse, omega: float, thorough: bool) -> SettledMotion:
+        """Whether the harmonic balance gives a settled motion."""
+        in_time = self._in_time
+        assert in_time is not None  # it gave the motion
+        return settled_motion(
+            self._newton,
+            self._balances,
+            self._harmonics,
+            omega,
+            lambda harmonics: in_time.unknowns(motion, harmonics),
+            _most_harmonics(motion),
+            thorough,
+        )
 
     def _repeats_after(self, motion: TransientResponse) -> int | None:
         """See :func:`repeats_after`; the position of a body that may walk does not count."""
@@ -187,8 +228,11 @@ class Settling:
         starts, period = (self._in_time.without_walk(each) for each in (motion.period_starts, motion.displacement))
         return repeats_after(starts, float(np.linalg.norm(period - period.mean(axis=0), axis=1).max()))
 
-    def _integrated(self, start: BalancePoint | None, omega: float, periods: int) -> TransientResponse | None:
-        """The motion at a frequency after some periods, from a point of a curve or from rest."""
+    def _integrated(
+        self, start: BalancePoint | None, omega: float, periods: int, finer: int = 1
+    ) -> TransientResponse | None:
+        """The motion at a frequency after some periods, from a point of a curve or from rest, with ``finer`` times the
+        steps."""
         if self._in_time is None:
             return None
         try:
@@ -197,9 +241,9 @@ class Settling:
             return None
         self._report(f"time integration at {omega / (2.0 * np.pi):.3f} Hz")
         state = {} if start is None else self._state(start.trial)
-        steps = max(STEPS, STEPS_PER_HARMONIC * self._harmonics)
+        steps = finer * max(STEPS, STEPS_PER_HARMONIC * self._harmonics)
         motion = self._in_time.after(state, omega, steps, periods, 1e-2 * SETTLED)
-        self.work.integrate(PERIOD_WORK * (periods if motion is None else motion.period_change.size))
+        self.work.integrate(finer * PERIOD_WORK * (periods if motion is None else motion.period_change.size))
         return motion
 
     def _state(self, trial: Trial) -> dict[str, FloatArray]:
@@ -208,6 +252,11 @@ class Settling:
         motion, walk = self._balances.motion([trial], balance.displacement([trial]))
         way = np.zeros(motion.shape[2]) if walk is None else walk[0]
         return start_of_motion(balance.pairs, motion[0].T, way, trial.omega / (2.0 * np.pi), balance.samples)
+
+
+def _most_harmonics(motion: TransientResponse) -> int:
+    """The harmonics that the steps of a motion resolve."""
+    return (len(motion.displacement) - 1) // 2
 
 
 def repeats_after(starts: FloatArray, size: float) -> int | None:

@@ -91,7 +91,7 @@ class ExcitationForce:
 
 @dataclass(frozen=True)
 class TravellingWave:
-    """How an excitation travels round a disk of N sectors.
+    """An excitation that travels round a disk of N sectors.
 
     ``engine_order`` k is the number of waves of its first harmonic round the disk: sector s (s sectors ahead of the
     first one) has the force ``p(t - s T k / N)`` if it travels forward, to the next sectors, ``p(t + s T k / N)``

@@ -36,6 +36,7 @@ from stickslip.solve.pieces import Pieces
 from stickslip.solve.setting_up import StageReport, checked_window
 from stickslip.solve.traction_band import DEFAULT_STARTS, TractionBandSearch
 from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.structure.substructure import Substructure
 from stickslip.structure.superelement import Superelement
 
 # The number of harmonics if neither it nor an accuracy is given.
@@ -144,7 +145,7 @@ def forced_response(
 
 
 def unreported_response(
-    superelement: Superelement | CyclicSector, pairs: ContactPairs, excitation: Excitation, *,
+    superelement: Substructure, pairs: ContactPairs, excitation: Excitation, *,
     frequency_hz: tuple[float, float], harmonics: int | None, accuracy: float | None, samples: int,
     modal_damping_ratio: float | None, update: Update, newton: NewtonSettings | None,
     continuation: ContinuationSettings | None, traction_band: ArrayLike | None, traction_starts: int, checks: bool,

@@ -41,7 +41,7 @@ class StepPoint:
 
     @property
     def memory(self) -> Any:
-        """What the next step starts from."""
+        """The memory with which the next step starts."""
         return self.forces.memory
 
     @property

@@ -79,7 +79,7 @@ class LinearMode:
         limit: Limit,
         stuck: LinearLimit | None = None,
     ) -> LinearMode:
-        """The mode with a ``number`` in a linear limit; ``stuck`` is the stuck limit, if known. Raises InputError."""
+        """The mode with a ``number`` in a linear limit; ``stuck`` may be the stuck limit. Raises InputError."""
         require_choice("limit", limit, get_args(Limit))
         whole_number("mode", number, 1)
         require_one_size(superelement, pairs)

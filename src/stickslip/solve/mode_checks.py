@@ -107,13 +107,13 @@ def accuracy_warnings(change: HarmonicsChange | str, accuracy: float, harmonics:
     """A warning where the ``harmonics`` of a mode do not reach its accuracy; ``change`` is that by twice as many, or
     why they could not be solved."""
     if isinstance(change, str):
-        found = change
+        sentence = change
     elif change.over(accuracy) <= 1.0:
         return ()
     else:
-        found = f"{_changed(change, 2 * harmonics, harmonics)}."
+        sentence = f"{_changed(change, 2 * harmonics, harmonics)}."
     return (
-        f"The accuracy of {100 * accuracy:.3g} % was not reached with {harmonics} harmonics: {found} Frequency and "
+        f"The accuracy of {100 * accuracy:.3g} % was not reached with {harmonics} harmonics: {sentence} Frequency and "
         "damping ratio of the mode are uncertain there; more samples allow more harmonics.",
     )
 

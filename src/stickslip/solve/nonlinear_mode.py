@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
-from stickslip.contact.law.law import ContactState
 from stickslip.core.completeness import reported
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import ProgressCallback
@@ -19,12 +18,11 @@ from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray
 from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode
-from stickslip.solve.curve_result import LARGEST_FRACTION, LARGEST_UNBALANCE, fields_of
+from stickslip.solve.curve_result import LARGEST_UNBALANCE, fields_of
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import least_harmonics
 from stickslip.solve.harmonic.curve_warnings import motion_warnings
-from stickslip.solve.harmonic.energy import measure_curve, work_per_cycle
-from stickslip.solve.harmonic.mode_curve import ModeCurve, ModePoint
+from stickslip.solve.harmonic.energy import measure_curve
 from stickslip.solve.harmonic.mode_shapes import (
     LISTED_MODES,
     MODES_ABOVE,
@@ -36,6 +34,7 @@ from stickslip.solve.harmonic.mode_shapes import (
 )
 from stickslip.solve.harmonic.varying_harmonics import LADDER
 from stickslip.solve.linear_mode import Limit, LinearMode, checked_amplitudes, require_allowed_amplitude
+from stickslip.solve.mode_branch import STEPS, ModeBranch, follow_mode
 from stickslip.solve.mode_checks import (
     CHECKED_POINTS,
     HarmonicsChange,
@@ -45,18 +44,11 @@ from stickslip.solve.mode_checks import (
     sample_warnings,
     work_warning,
 )
-from stickslip.solve.path.continuation import Branch
-from stickslip.solve.path.newton import Newton, NewtonSettings
-from stickslip.solve.path.problem import Plane
-from stickslip.solve.path.stepping import Accepted, ContinuationSettings, Corner, Retreat
+from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement
 
-# chosen: a backbone over some decades of amplitude has at least 25 points, and one with folds about 130. More are a
-# branch that does not find its way among others, as in a symmetric structure.
-STEPS = ContinuationSettings(largest_step=0.04, max_points=400)
-# chosen: the start moves towards the linear limit by at most so many decades of the amplitude.
-DECADES_TO_LIMIT = 12
 # chosen: work of all branches with an accuracy, in entries of the Newton matrix (unknowns squared) over all points. The
 # two blades, all 110 pairs in gross slip, have 4e8 of them for each 10 to 20 s of processor time with 5 harmonics.
 MOST_ENTRIES = 4e9
@@ -154,8 +146,8 @@ def unreported_mode(
         ends = (lowest, highest) if limit == "stuck" else (highest, lowest)
         steps = continuation or STEPS
 
-        def followed(count: int) -> _Followed:
-            return _follow(balances, start, count, ends, newton, steps, report)
+        def followed(count: int) -> ModeBranch:
+            return follow_mode(balances, start, count, ends, newton, steps, report)
 
         if accuracy is None:
             mode_branch = followed(least)
@@ -175,49 +167,16 @@ def unreported_mode(
     return replace(result, settings={**result.settings, **options}, provenance=provenance)
 
 
-@dataclass(frozen=True)
-class _Followed:
-    """A branch and its equations."""
-
-    branch: Branch[ModePoint]
-    curve: ModeCurve
-
-    @property
-    def points(self) -> list[ModePoint]:
-        return [each.point for each in self.branch.points]
-
-    def with_harmonics(self, balances: Balances, count: int) -> ModeCurve:
-        """The equations with another number of harmonics."""
-        samples = max(balances.samples, SAMPLES_PER_HARMONIC * count)
-        return self.curve.with_balance(balances.with_harmonics(count, samples))
-
-
-def _follow(
-    balances: Balances, start: LinearMode, harmonics: int, ends: tuple[float, float], newton: NewtonSettings,
-    steps: ContinuationSettings, report: StageReport,
-) -> _Followed:  # fmt: skip
-    """The branch from one amplitude to another, with a number of harmonics. Raises ConvergenceError."""
-    balance = balances.with_harmonics(harmonics)
-    curve = ModeCurve(balance, start.load_mode, _own_damping(balances, start.load_mode), start.omega)
-    solver = Newton(curve, newton, report.iteration)
-    report.stage("first point")
-    away = 1.0 if start.limit == "sliding" else -1.0
-    point = _first_point(solver, curve, balances, start, math.log10(ends[0]), away)
-    branch = Branch(solver, point, math.log10(ends[1]), steps, _follower(ends, report))
-    branch.follow()
-    return _Followed(branch, curve)
-
-
 def _by_accuracy(
-    followed: Callable[[int], _Followed], balances: Balances, accuracy: float, least: int, newton: NewtonSettings,
+    followed: Callable[[int], ModeBranch], balances: Balances, accuracy: float, least: int, newton: NewtonSettings,
     report: StageReport,
-) -> tuple[_Followed, tuple[str, ...]]:  # fmt: skip
+) -> tuple[ModeBranch, tuple[str, ...]]:  # fmt: skip
     """The branch with harmonics that reach an accuracy, or with a warning with the most that the work allows.
 
     Twice the harmonics are the reference: two more can change little where the harmonics decay slowly. Raises
     ConvergenceError if no number of harmonics has a first point.
     """
-    reached: tuple[_Followed, tuple[str, ...]] | None = None
+    reached: tuple[ModeBranch, tuple[str, ...]] | None = None
     failed: ConvergenceError | None = None
     ladder = [least, *(each for each in LADDER if least < each <= balances.samples // SAMPLES_PER_HARMONIC)]
     entries, points, next_count = 0.0, 0, least
@@ -257,72 +216,8 @@ def _by_accuracy(
     return reached
 
 
-def _own_damping(balances: Balances, mode: int) -> float:
-    """1/s, the damping of a stuck mode alone."""
-    modal = balances.stuck.modal_damping
-    return float(modal[mode] if modal.ndim == 1 else modal[mode, mode])
-
-
-def _first_point(
-    solver: Newton[ModePoint], curve: ModeCurve, balances: Balances, start: LinearMode, target: float, away: float
-) -> ModePoint:
-    """The point at the logarithm ``target`` of the amplitude. Raises ConvergenceError.
-
-    The linear mode is the estimate. Where Newton's method does not converge from it, the amplitude moves ``away`` (1.0
-    or -1.0), towards the linear limit, and a branch leads back.
-    """
-    for decades in range(DECADES_TO_LIMIT + 1):
-        reached = target + away * decades
-        estimate = _estimate(curve, balances, start, reached)
-        correction = solver.correct(estimate, Plane.fixed(estimate.unknowns, reached))
-        if correction.converged:
-            break
-    else:
-        raise ConvergenceError(
-            f"the solver found no nonlinear mode near the linear {start.limit} mode {start.number} "
-            f"({start.omega / (2.0 * math.pi):.3f} Hz): the relative residual is {correction.point.error:.1e} at "
-            f"{curve.named(reached)}. Use another mode, or more samples."
-        )
-    if not decades:
-        return correction.point
-    branch = Branch(solver, correction.point, target, STEPS)
-    branch.follow()
-    if not branch.complete:
-        raise ConvergenceError(f"the nonlinear mode does not reach {curve.named(target)}. {branch.message}")
-    return branch.points[-1].point
-
-
-def _estimate(curve: ModeCurve, balances: Balances, start: LinearMode, logarithm: float) -> ModePoint:
-    """The linear mode with an amplitude, damped by what the pairs and the viscous damping dissipate in it."""
-    size = 10.0**logarithm
-    viscous = float(curve.balance.compliance.gain.viscous_form(start.motion))
-    linear = curve.at(size * start.motion, start.omega, viscous)
-    friction = float(work_per_cycle(linear.trial).sum())
-    return curve.at(size * start.motion, start.omega, viscous + friction / (math.pi * start.omega * size**2))
-
-
-def _follower(
-    ends: tuple[float, float], report: StageReport
-) -> Callable[[Accepted[ModePoint] | Retreat | Corner], None]:
-    """A listener that reports the progress of a branch from one amplitude to another."""
-    first, last = map(math.log10, ends)
-
-    def on_event(event: Accepted[ModePoint] | Retreat | Corner) -> None:
-        if not isinstance(event, Accepted):
-            return
-        trial, reached = event.point.trial, float(event.point.parameters[0])
-        fraction = min(LARGEST_FRACTION, max(0.0, (reached - first) / (last - first)))
-        moving = int((trial.contact.state != ContactState.STUCK).sum())
-        hertz = trial.omega / (2.0 * math.pi)
-        report.stage(
-            f"{hertz:.2f} Hz at {10.0**reached:.2g} m kg^0.5, point {event.count}, {moving} pairs moving", fraction
-        )
-
-    return on_event
-
-
 def _result(
-    followed: _Followed, balances: Balances, start: LinearMode, doubts: tuple[str, ...], report: StageReport
+    followed: ModeBranch, balances: Balances, start: LinearMode, doubts: tuple[str, ...], report: StageReport
 ) -> NonlinearMode:
     """The labelled result of a branch: energies, shapes, checks and warnings."""
     report.stage("energies and checks of the mode")
@@ -398,7 +293,7 @@ def _words(complete: bool, message: str, limit: Limit) -> str:
     """The message on the end of a branch, with what may help."""
     if complete:
         return "The mode covers the range of amplitudes."
-    return f'{message} The branch from the other limit may go on: limit = "{OTHER[limit]}".'
+    return f'{message} The branch from the other limit may continue: limit = "{OTHER[limit]}".'
 
 
 def _damping_warnings(amplitude: FloatArray, ratio: FloatArray) -> tuple[str, ...]:

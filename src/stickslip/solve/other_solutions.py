@@ -119,8 +119,8 @@ def search_other_solutions(
             response.samples, modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,
         )  # fmt: skip
         search = _Search(balances, response, newton or NewtonSettings(), continuation or ContinuationSettings(), report)
-        found = search.run(starts, seed)
-    return replace(response, other_solutions=found)
+        others = search.run(starts, seed)
+    return replace(response, other_solutions=others)
 
 
 @dataclass(frozen=True)

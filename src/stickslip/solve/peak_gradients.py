@@ -113,15 +113,15 @@ def _exact_peak(
         curve, Newton(curve, newton), output, lambda trial: output, last, tangent_tolerance=TANGENT_TOLERANCE
     )
     across = Step(after.unknowns - before.unknowns, after.parameters - before.parameters, middle.trial.deviation)
-    found = search.from_estimate(middle.unknowns, omega, across, -1.0)
-    if not isinstance(found, str):
-        found = search.exact(found)
-    if isinstance(found, str):
+    solution = search.from_estimate(middle.unknowns, omega, across, -1.0)
+    if not isinstance(solution, str):
+        solution = search.exact(solution)
+    if isinstance(solution, str):
         raise ConvergenceError(
-            f"the peak near {curve.named(omega)} has no derivative, because {found}. If the points of the curve are "
+            f"the peak near {curve.named(omega)} has no derivative, because {solution}. If the points of the curve are "
             "far apart there, use a smaller largest_step; more samples may resolve a corner."
         )
-    return found
+    return solution
 
 
 @dataclass(frozen=True)
@@ -282,18 +282,18 @@ def _require_own(superelement: Superelement, pairs: ContactPairs, response: Forc
 
 def _chosen_peak(response: ForcedResponse, output: FloatArray, number: int) -> Peak:
     """The peak with this number. Raises InputError if there is none, ConvergenceError for an end of the curve."""
-    found = peaks(response.frequency_hz, response.amplitude(output), response.part)
-    if whole_number("peak", number, 0) >= len(found):
+    tops = peaks(response.frequency_hz, response.amplitude(output), response.part)
+    if whole_number("peak", number, 0) >= len(tops):
         raise InputError(
-            f"peak is {number}, but the curve has {len(found)} peaks of this output, numbered from 0.",
+            f"peak is {number}, but the curve has {len(tops)} peaks of this output, numbered from 0.",
             arguments=["peak"],
         )
-    if not found[number].bracketed:
+    if not tops[number].bracketed:
         raise ConvergenceError(
-            f"the highest point of the curve, at {found[number].frequency_hz:.2f} Hz, is at an end of it and no peak. "
+            f"the highest point of the curve, at {tops[number].frequency_hz:.2f} Hz, is at an end of it and no peak. "
             "Extend the frequency range."
         )
-    return found[number]
+    return tops[number]
 
 
 def _around(balance: Balance, response: ForcedResponse, peak: Peak) -> list[BalancePoint]:
@@ -316,7 +316,7 @@ def _require_no_walk(balances: Balances, peak: RefinedPeak) -> None:
 
 def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], report: StageReport) -> PeakGradients:
     """The derivatives by all parameters that have one."""
-    differentiated, found, messages = [], [], []
+    differentiated, derived, messages = [], [], []
     for number, parameter in enumerate(parameters):
         report.stage(f"gradient by {parameter.name}", 0.4 + 0.6 * number / len(parameters))
         try:
@@ -325,16 +325,16 @@ def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], repor
             messages.append(f"{parameter.name} has no derivative: {error}")
             continue
         differentiated.append(parameter)
-        found.append(derivatives)
+        derived.append(derivatives)
         messages += _doubts(parameter, derivatives, sensitivity.values)
-    without = [each.name for each, its in zip(differentiated, found, strict=True) if not its.value.any()]
+    without = [each.name for each, its in zip(differentiated, derived, strict=True) if not its.value.any()]
     if without:
         messages.append(
             f"Small changes have no effect: {', '.join(without)}. A position at the nearest node of a mesh has none as "
             "long as this node is the same one."
         )
-    by = np.array([each.value for each in found]).reshape(-1, 3).T
-    errors = np.array([each.error for each in found]).reshape(-1, 3).T
+    by = np.array([each.value for each in derived]).reshape(-1, 3).T
+    errors = np.array([each.error for each in derived]).reshape(-1, 3).T
     messages += sensitivity.peak.corners()
     return PeakGradients(
         names=tuple(each.name for each in differentiated),
@@ -347,14 +347,15 @@ def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], repor
     )
 
 
-def _doubts(parameter: Parameter, found: _Derivatives, values: FloatArray) -> Iterator[str]:
+def _doubts(parameter: Parameter, derived: _Derivatives, values: FloatArray) -> Iterator[str]:
     """A sentence for each derivative that matters and has a large estimated error."""
-    effect = np.abs(REPORTED_CHANGE * parameter.value * found.value)
+    effect = np.abs(REPORTED_CHANGE * parameter.value * derived.value)
     for place, name in enumerate(("amplitude", "frequency", "friction energy")):
         matters = effect[place] > NOTABLE_EFFECT * values[place] > 0.0
-        if matters and found.error[place] > LARGEST_ERROR * abs(found.value[place]):
+        if matters and derived.error[place] > LARGEST_ERROR * abs(derived.value[place]):
             yield (
                 f"The derivative of the peak {name} by {parameter.name} is uncertain by about "
-                f"{100.0 * found.error[place] / abs(found.value[place]):.0f} %: the contact changes its state close to "
-                "the peak, or large effects cancel. Compute the peak again with a changed value before you use it."
+                f"{100.0 * derived.error[place] / abs(derived.value[place]):.0f} %: the contact changes its state "
+                "close to the peak, or large effects cancel. Compute the peak again with a changed value before you "
+                "use it."
             )

@@ -87,7 +87,7 @@ class Pieces(Generic[BalancePointT]):
         """
         if start is not None:
             return self._follow(self._append(self._part(start, self._window[1])))
-        evidence = self._settling.evidence_from_rest(self._window[0])
+        evidence = self._settling.evidence_from_rest(self._window[0], thorough=self._varies)
         words = self._sentences(reason, evidence)
         settled = self._settled(evidence, self._window[0])
         at_start = settled or self._settling.solution((), self._window[0], ramp=False)
@@ -99,7 +99,8 @@ class Pieces(Generic[BalancePointT]):
         exists = evidence is not None and evidence.repeats_after == 1
         found = None if exists else self._beyond(self._window[0], ())
         if found is None:
-            raise ConvergenceError(self._with_limit(words))
+            evidence = self._settling.evidence_from_rest(self._window[0], thorough=True)
+            raise ConvergenceError(self._with_limit(self._sentences(reason, evidence)))
         point, how = found
         back = self._part(point, self._window[0])
         gap = self._gap(self._window[0], back)
@@ -121,13 +122,12 @@ class Pieces(Generic[BalancePointT]):
                 return self
             branch = onward
         if not branch.complete:
-            evidence = self._settling.evidence(self.points[-1].point, self._direction * self._width)
-            self.message = self._sentences(branch.message, evidence)
+            self.message = self._sentences(branch.message, self._evidence_at_end())
         self.complete = branch.complete and self._left_out <= LARGEST_GAP * self._width
         if branch.complete and not self.complete:
             self.message = (
                 f"The curve reached the stop frequency, but has no points in {100.0 * self._left_out / self._width:.2g}"
-                " % of the range: the warnings name the places."
+                " % of the range: the warnings give the frequencies."
             )
         return self
 
@@ -136,11 +136,11 @@ class Pieces(Generic[BalancePointT]):
         ahead = [self._direction * each.point.trial.omega for each in self.points]
         furthest, last = int(np.argmax(ahead)), self.points[-1].point
         edge = self.points[furthest].point
-        evidence = self._settling.evidence(last, self._direction * self._width)
+        evidence = self._settling.evidence(last, self._direction * self._width, thorough=self._varies)
         why = self._sentences(branch.message, evidence)
         found = self._settled(evidence, edge.trial.omega) or self._beyond(edge.trial.omega, (last, edge))
         if found is None:
-            self.message = self._with_limit(why)
+            self.message = self._with_limit(self._sentences(branch.message, self._evidence_at_end()))
             return None
         point, how = found
         onward, back = self._part(point, self._window[1]), self._part(point, edge.trial.omega)
@@ -155,11 +155,15 @@ class Pieces(Generic[BalancePointT]):
             place = "jumps there to another motion"
         self.breaks.append(len(self.points) - 1)
         self.warnings.append(
-            f"The curve is interrupted at {_hz(edge.trial.omega)} Hz and {place}; it goes on from a motion that was "
+            f"The curve is interrupted at {_hz(edge.trial.omega)} Hz and {place}; it continues from a motion that was "
             f"found {how} at {_hz(point.trial.omega)} Hz. The reason: {why}"
         )
         self._append(back, reverse=True)
         return self._append(onward)
+
+    def _evidence_at_end(self) -> Evidence | None:
+        """What happens where the curve ends."""
+        return self._settling.evidence(self.points[-1].point, self._direction * self._width, thorough=True)
 
     def _gap(self, edge: float, back: Branch[BalancePointT]) -> tuple[float, float]:
         """The frequencies without points between ``edge`` and a branch that leads back to it."""
@@ -189,7 +193,7 @@ class Pieces(Generic[BalancePointT]):
         if evidence is None or motion is None or (motion.trial.omega - edge) * self._direction < 0.0:
             return None
         self._takes_settled = False
-        return motion, f"by a time integration, with {evidence.given_by} harmonics,"
+        return motion, f"by a time integration, with {evidence.settled.given_by} harmonics,"
 
     def _sentences(self, reason: str, evidence: Evidence | None) -> str:
         """Why a curve was lost, and what happens there."""

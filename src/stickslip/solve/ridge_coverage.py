@@ -28,13 +28,13 @@ Interval = tuple[float, float]
 
 def merged(intervals: Sequence[Interval]) -> list[Interval]:
     """The union of intervals, rising."""
-    found: list[Interval] = []
+    joined: list[Interval] = []
     for low, high in sorted(intervals):
-        if found and low <= found[-1][1]:
-            found[-1] = found[-1][0], max(found[-1][1], high)
+        if joined and low <= joined[-1][1]:
+            joined[-1] = joined[-1][0], max(joined[-1][1], high)
         else:
-            found.append((low, high))
-    return found
+            joined.append((low, high))
+    return joined
 
 
 def middle_of_gap(followed: Sequence[Interval], tried: Collection[float]) -> float | None:

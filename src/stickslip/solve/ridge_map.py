@@ -156,12 +156,12 @@ class RidgeMap:
                 f"A peak near {omega / (2.0 * math.pi):.2f} Hz at {self._named(value)} was not followed: {peak}."
             )
             return
-        start = RidgePoint.start(value, peak, stage.stuck_omega)
+        start = RidgePoint.start(value, peak, stage)
         if self._is_known(start):
             return
         parts, ends = [], []
         for stop in self._bounds:
-            part, end = follow(self._searched, start, stop, self._pace, self._needless)
+            part, end = follow(self._searched, start, stop, self._pace, self._needless, self._is_low)
             parts.append(part)
             ends.append(end)
         self.ridges.append(_Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
@@ -267,14 +267,14 @@ class RidgeMap:
         reaching = [ridge for ridge in self.ridges if ridge.points[0].parameter == self._bounds[0]]
         self._bounds = value, self._bounds[1]
         for ridge in reaching:
-            part, end = follow(self._searched, ridge.points[0], value, self._pace, self._needless)
+            part, end = follow(self._searched, ridge.points[0], value, self._pace, self._needless, self._is_low)
             ridge.points[:0] = reversed(part)
             ridge.ends = end, ridge.ends[1]
 
     def _is_enclosed(self) -> bool:
         points = [each for ridge in self.ridges for each in ridge.points]
         parameter = np.array([each.parameter for each in points])
-        stuck = np.array([(each.trial.contact.state == ContactState.STUCK).all() for each in points])
+        stuck = np.array([each.is_stuck for each in points])
         return is_enclosed_below(parameter, np.array([self._highest_at(each) for each in parameter]), stuck)
 
     def _is_highest_known(self, value: float) -> bool:
@@ -294,6 +294,10 @@ class RidgeMap:
         if self._fraction_of_highest(point) >= LEAST_FRACTION:
             return ""
         return f"beyond {self._named(point.parameter)}, it is below {LEAST_FRACTION:g} of the highest peak"
+
+    def _is_low(self, point: RidgePoint) -> bool:
+        """Whether another ridge is clearly higher at the value of a point."""
+        return self._fraction_of_highest(point) < NEAR_HIGHEST
 
     def _fraction_of_highest(self, point: RidgePoint) -> float:
         """Amplitude of a point over that of the highest ridge at its value."""

@@ -25,8 +25,8 @@ from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
 # Measured on the two blades (700 unknowns n, 330 rows m of pairs): the modes of a structure, which take a time of n^3,
-# last as long as 20 iterations of Newton's method, which take n m.
-PREPARATION = 20.0 * 330.0 / 700.0**2
+# last as long as 10 iterations of Newton's method, which take n m.
+PREPARATION = 10.0 * 330.0 / 700.0**2
 Problem = tuple[Superelement, ContactPairs, Excitation]
 
 
@@ -46,6 +46,21 @@ class RidgeOptions:
 
 
 @dataclass(frozen=True)
+class StuckMode:
+    """A mode of the stuck structure: its number from 0, circular frequency in rad/s, mass matrix (n, n), and mass times
+    its mass-normalised shape (n,)."""
+
+    number: int
+    omega: float
+    mass: FloatArray
+    weighted: FloatArray
+
+    def is_comparable(self, other: StuckMode) -> bool:
+        """Whether the shapes have the same coordinates."""
+        return self.mass is other.mass or np.array_equal(self.mass, other.mass)
+
+
+@dataclass(frozen=True)
 class RidgeStage:
     """The equations at one value of the parameter."""
 
@@ -55,6 +70,7 @@ class RidgeStage:
     search: PeakSearch
     window: tuple[float, float]  # Hz, rising
     curve_window: tuple[float, float]  # Hz, rising; of whole curves
+    _stuck_peaks: dict[int, Peak | None] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -113,6 +129,35 @@ class RidgeStage:
             return found
         natural_hz = self.balances.closed.natural_hz
         return [each for each in found if int(np.abs(natural_hz - each.frequency_hz).argmin()) in modes]
+
+    def stuck_mode(self, number: int) -> StuckMode:
+        """A mode of the stuck structure."""
+        mass, stuck = self.balances.superelement.mass, self.balances.stuck
+        return StuckMode(number, float(stuck.circular_frequency[number]), mass, mass @ stuck.modes[:, number])
+
+    def same_mode(self, earlier: StuckMode) -> StuckMode:
+        """The mode whose shape is most like that of another stage, or the one with the same number in other
+        coordinates: the order of modes changes where their frequencies cross."""
+        same = self.stuck_mode(earlier.number)
+        if not same.is_comparable(earlier):
+            return same
+        return self.stuck_mode(int(np.abs(earlier.weighted @ self.balances.stuck.modes).argmax()))
+
+    def stuck_peak(self, mode: int) -> Peak | None:
+        """The linear peak of a stuck mode (number from 0), None without one in the window."""
+        if mode not in self._stuck_peaks:
+            found = [each for each in self.stuck_peaks(frozenset({mode})) if each.bracketed]
+            self._stuck_peaks[mode] = found[0] if found else None
+        return self._stuck_peaks[mode]
+
+    def linear_point(self, frequency_hz: float) -> BalancePoint:
+        """The motion with all pairs stuck, a point of the frequency curve if no pair slips in it."""
+        omega = 2.0 * math.pi * frequency_hz
+        return self.curve.at(self.search.balance.linear(omega), omega)
+
+    def is_solution(self, point: BalancePoint) -> bool:
+        """Whether a point satisfies the balance to the tolerance of Newton's method."""
+        return point.error <= self.solver.settings.tolerance
 
     def modes_between(self, window: tuple[float, float]) -> frozenset[int]:
         """Numbers from 0 of the stuck modes in a frequency range, Hz."""

@@ -12,15 +12,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
-from stickslip.solve.harmonic.peak import CurvePeak
-from stickslip.solve.ridge_stage import RidgeStage
+from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak
+from stickslip.solve.ridge_stage import RidgeStage, StuckMode
 
 # chosen: the step grows or shrinks at most by these factors.
-GROWTH, SHRINKAGE = 1.6, 0.5
+GROWTH, SHRINKAGE = 2.0, 0.5
 # Polynomials through at most so many points predict the next one.
 PREDICTED_FROM = 3
+# chosen: a peak this close to its stuck mode, relative, may become the linear peak where its pairs no longer slip.
+NEAR_MODE = 0.003
+# chosen: above this fraction of the linear stuck peak few pairs slip, and the peak changes as that one does.
+LITTLE_SLIP = 0.8
+# chosen: largest error of the extrapolated logarithm; only linear peaks, which are solutions for certain, reach it.
+LARGEST_CHANGE = 0.5
+# chosen: a step of so many smallest ones passes a node of the excitation.
+LEAP = 2.0
 TOO_MUCH_WORK = "more work was not allowed"
 
 
@@ -28,20 +37,31 @@ TOO_MUCH_WORK = "more work was not allowed"
 class RidgePoint:
     """A maximum at a value of the parameter.
 
-    ``mode`` is the number from 0 of the stuck mode that was closest to the start of the ridge, ``mode_omega`` its
-    circular frequency at this value: the frequency of the peak follows that of the mode.
+    ``mode`` is the stuck mode that was closest to the start of the ridge: the frequency of the peak follows that of the
+    mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one.
     """
 
     parameter: float
     peak: CurvePeak
-    mode: int
-    mode_omega: float
+    mode: StuckMode
+    stuck_amplitude: float
 
     @classmethod
-    def start(cls, parameter: float, peak: CurvePeak, stuck_omega: FloatArray) -> RidgePoint:
-        """The first point of a ridge; ``stuck_omega`` (n,) are the frequencies of the stuck modes there."""
-        mode = int(np.abs(stuck_omega - peak.omega).argmin())
-        return cls(parameter, peak, mode, float(stuck_omega[mode]))
+    def start(cls, parameter: float, peak: CurvePeak, stage: RidgeStage) -> RidgePoint:
+        """The first point of a ridge, on the equations of its parameter."""
+        closest = int(np.abs(stage.stuck_omega - peak.omega).argmin())
+        return cls.of_mode(parameter, peak, stage.stuck_mode(closest), stage)
+
+    @classmethod
+    def of_mode(cls, parameter: float, peak: CurvePeak, mode: StuckMode, stage: RidgeStage) -> RidgePoint:
+        """A point of the ridge of a stuck mode."""
+        stuck = stage.stuck_peak(mode.number)
+        return cls(parameter, peak, mode, math.nan if stuck is None else stuck.amplitude)
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether no pair slips or separates."""
+        return bool((self.trial.contact.state == ContactState.STUCK).all())
 
     @property
     def trial(self) -> Trial:
@@ -74,25 +94,44 @@ class Pace:
     most_points: int = 200
 
     def next_point(self, stage: RidgeStage, near: list[RidgePoint], value: float) -> tuple[RidgePoint | str, float]:
-        """The maximum at a value from an extrapolation of points near it, and the error of its logarithm."""
+        """The maximum at a value from points near it, and the error of its extrapolated logarithm.
+
+        Amplitudes are extrapolated over those of the linear stuck peak: where the force acts at a node of the stuck
+        mode, both fall to almost nothing.
+        """
+        last = near[-1]
+        mode = stage.same_mode(last.mode)
+        # Without the same coordinates a mode is known by its number, which may become that of another mode.
+        stuck = stage.stuck_peak(mode.number) if mode.is_comparable(last.mode) else None
         weights = _weights([math.log(each.parameter) for each in near], math.log(value))
-
-        def predicted(of: Callable[[RidgePoint], FloatArray | float]) -> FloatArray:
-            return np.asarray(sum(weight * of(each) for weight, each in zip(weights, near, strict=True)))
-
-        height = float(predicted(lambda each: math.log(each.peak.amplitude)))
-        mode = near[-1].mode
-        mode_omega = float(stage.stuck_omega[mode])
-        omega = mode_omega * math.exp(float(predicted(lambda each: math.log(each.trial.omega / each.mode_omega))))
-        unknowns = math.exp(height) * predicted(lambda each: each.shape)
-        last = near[-1].peak
-        found = stage.search.from_estimate(unknowns, omega, last.probe.tangent, last.curvature)
+        plain = _predicted(weights, [math.log(each.peak.amplitude) for each in near])
+        if stuck is not None and abs(math.log(last.peak.omega / last.mode.omega)) < NEAR_MODE:
+            linear = stage.linear_point(stuck.frequency_hz)
+            if stage.is_solution(linear) and not isinstance(found := stage.search.from_point(linear), str):
+                after = RidgePoint.of_mode(value, found, mode, stage)
+                return after, abs(math.log(found.amplitude) - plain)
+        height = plain
+        slips_little = any(each.peak.amplitude > LITTLE_SLIP * each.stuck_amplitude for each in near)
+        if stuck is not None and slips_little and not any(math.isnan(each.stuck_amplitude) for each in near):
+            ratios = [math.log(each.peak.amplitude / each.stuck_amplitude) for each in near]
+            height = math.log(stuck.amplitude) + _predicted(weights, ratios)
+        if stuck is not None and last.is_stuck:
+            omega = 2.0 * math.pi * stuck.frequency_hz
+            unknowns = stage.search.balance.linear(omega)
+        else:
+            turned = _predicted(weights, [math.log(each.trial.omega / each.mode.omega) for each in near])
+            omega = mode.omega * math.exp(turned)
+            unknowns = math.exp(height) * sum(weight * each.shape for weight, each in zip(weights, near, strict=True))
+        allowed = self.largest_error * (2.0 if len(near) == 1 else 1.0)
+        found = stage.search.from_estimate(
+            unknowns, omega, last.peak.probe.tangent, last.peak.curvature, math.exp(height + allowed)
+        )
         if isinstance(found, str):
             return found, math.inf
-        error = abs(math.log(found.amplitude) - height)
-        if error > self.largest_error * (2.0 if len(near) == 1 else 1.0):
-            return "the peak becomes another one", error
-        return RidgePoint(value, found, mode, mode_omega), error
+        if math.log(found.amplitude) < height - allowed:
+            return ANOTHER_PEAK, math.inf
+        after = RidgePoint.of_mode(value, found, mode, stage)
+        return after, abs(math.log(found.amplitude) - plain)
 
 
 def follow(
@@ -101,13 +140,14 @@ def follow(
     stop: float,
     pace: Pace,
     is_needless: Callable[[RidgePoint], str] = lambda point: "",
+    is_low: Callable[[RidgePoint], bool] = lambda point: False,
 ) -> tuple[list[RidgePoint], str]:
     """Points after ``start`` towards the value ``stop``, and why they end earlier, "" if they do not.
 
-    ``is_needless`` gives a reason to end at a point, or "".
+    ``is_needless`` gives a reason to end at a point, or ""; beyond a point that ``is_low`` no small steps are tried.
     """
     points, end = [start], math.log(stop)
-    direction, step = math.copysign(1.0, end - math.log(start.parameter)), pace.first_step
+    direction, step, leaps = math.copysign(1.0, end - math.log(start.parameter)), pace.first_step, 0
     while len(points) < pace.most_points:
         here = math.log(points[-1].parameter)
         left = (end - here) * direction
@@ -126,16 +166,29 @@ def follow(
             if after == TOO_MUCH_WORK:
                 return points[1:], after
             step = SHRINKAGE * length
-            if step < pace.smallest_step:
-                return points[1:], f"beyond {points[-1].parameter:.4g}, {after}"
+            if step < (pace.first_step * SHRINKAGE if is_low(points[-1]) else pace.smallest_step):
+                # At a node of the excitation a stuck mode has no peak; beyond it the peak is there again.
+                if leaps or not points[-1].is_stuck:
+                    return points[1:], f"beyond {points[-1].parameter:.4g}, {after}"
+                step, leaps = LEAP * pace.smallest_step, 1
             continue
+        if error > LARGEST_CHANGE and length > 1.01 * LEAP * pace.smallest_step:  # right, but with what between?
+            step = SHRINKAGE * length
+            continue
+        leaps = 0
         points.append(after)
         if reason := is_needless(after):
             return points[1:], reason
         # The error of a polynomial of n points grows with the n-th power of the step.
         factor = (pace.wanted_error / max(error, 1e-12)) ** (1.0 / min(len(points), PREDICTED_FROM))
-        step = min(pace.largest_step, length * min(GROWTH, max(SHRINKAGE, factor)))
+        longer = max(pace.smallest_step, length * min(GROWTH, max(SHRINKAGE, factor)))
+        step = min(pace.largest_step, longer)
     return points[1:], f"beyond {points[-1].parameter:.4g}, {pace.most_points} points were not enough"
+
+
+def _predicted(weights: FloatArray, values: list[float]) -> float:
+    """The weighted sum of values at some places."""
+    return float(weights @ np.array(values))
 
 
 def _weights(places: list[float], at: float) -> FloatArray:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, get_args
+from typing import ClassVar, Protocol, get_args
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.damping import DAMPED_RANGE
 from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
+from stickslip.solve.harmonic.operator_products import times
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.support import only_friction_supports
 from stickslip.solve.harmonic.unbounded import unbounded_motions
@@ -36,6 +37,7 @@ from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, wit
 from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.landmarks import Landmark, LandmarkSource
 from stickslip.solve.stability.curve import CurveStability, curve_stability
+from stickslip.solve.stability.more_harmonics import correction_of
 from stickslip.structure.superelement import Superelement
 
 # Largest ratio of contact stiffness to the stiffness of the structure at the pair. Numbers have 16 digits, and the
@@ -73,7 +75,8 @@ class CurveBalances(Protocol):
     """The balances of a frequency curve for any number of harmonics, with what its result says of the structure.
 
     :class:`Balances` are those of a structure, :class:`stickslip.solve.cyclic.balances.SectorBalances` those of a
-    sector of a disk. ``no_stability`` is the reason why their points have no stability, or empty. ``in_time`` is None
+    sector of a disk. ``no_stability`` is the reason why their points have no stability, or empty; ``no_static_mode`` is
+    that why they have no motion under a static load in the shape of a mode. ``in_time`` is None
     for equations whose solutions are not all motions of the structure, so that a time integration shows nothing.
     """
 
@@ -108,6 +111,8 @@ class CurveBalances(Protocol):
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance: ...
     @property
     def no_stability(self) -> str: ...
+    @property
+    def no_static_mode(self) -> str: ...
     def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability: ...
     def in_time(self) -> MotionInTime | None: ...
     def of_structure(self) -> Balances: ...
@@ -125,6 +130,7 @@ class Balances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
+    no_static_mode: ClassVar[str] = ""
 
     @property
     def no_stability(self) -> str:
@@ -192,8 +198,9 @@ class Balances:
         return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
 
     def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability:
-        """See :func:`curve_stability`."""
-        return curve_stability(trials, pairs, self.stuck)
+        """See :func:`curve_stability`; the verdicts are confirmed with more harmonics."""
+        correction = correction_of(trials, self.with_harmonics, self.samples, self.damped_harmonics)
+        return curve_stability(trials, pairs, self.stuck, correction)
 
     def in_time(self) -> MotionInTime:
         """The motion in time of the structure, with the damping of the balances."""
@@ -243,7 +250,7 @@ def prepare_balances(
 
 def resistance(operator: FloatArray, matrix: FloatArray) -> FloatArray:
     """(m,) ``|b A b|`` of the rows b of an operator."""
-    return np.asarray(np.abs(((operator @ matrix) * operator).sum(axis=1)))
+    return np.asarray(np.abs((times(operator, matrix) * operator).sum(axis=1)))
 
 
 def require_comparable(pairs: ContactPairs, resisting: FloatArray) -> None:

@@ -26,13 +26,11 @@ from stickslip.results.peaks import Peak
 from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.compliance import stuck_structure
-from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
-from stickslip.solve.harmonic.linear import Limit, LinearLimit
+from stickslip.solve.harmonic.linear import Limit, elastic_hz
 from stickslip.solve.linear_mode import LinearMode
 from stickslip.solve.quasi_static_mode import unreported_static_mode
-from stickslip.solve.setting_up import Balances, CurveBalances, StageReport, prepare_balances
-from stickslip.structure.cyclic_sector import CyclicSector
-from stickslip.structure.superelement import Superelement
+from stickslip.solve.setting_up import Balances, CurveBalances, StageReport
+from stickslip.structure.substructure import Substructure
 
 # chosen: fraction of the pairs that count as nearly all; the last ones often stick at any force, where nothing moves.
 NEARLY_ALL = 0.95
@@ -67,7 +65,7 @@ class SlipOnset:
 
 
 def slip_onset(
-    superelement: Superelement,
+    structure: Substructure,
     pairs: ContactPairs,
     excitation: Excitation,
     output: ArrayLike,
@@ -75,93 +73,52 @@ def slip_onset(
     modal_damping_ratio: float | None = None,
     highest_hz: float | None = None,
 ) -> SlipOnset:
-    """The linear peaks of an output (n,) among the first modes, and the excitations at which the pairs slip there.
+    """The linear peaks of an output among the first modes, and the excitations at which the pairs slip there.
 
-    ``highest_hz`` is the end of the range of a curve, on which depends how many modes ``modal_damping_ratio`` damps;
-    None stands for the last of the first modes.
+    ``output`` is a row (n,), of a sector of a disk (2n,) with the unknowns of the next one. ``highest_hz`` is the end
+    of the range of a curve, on which depends how many modes ``modal_damping_ratio`` damps; None stands for the last of
+    the first modes.
 
     Pairs of other laws than Coulomb's, and pairs that are open at rest, do not count. Raises InputError.
     """
-    row = finite_array("output", output)
-    undamped = np.zeros_like(superelement.mass)
-    known = stuck_structure(superelement, pairs, 2.0 * math.pi * (highest_hz or 1.0), modal_damping_ratio)
-    stuck_stiffness = stuck_stiffness_matrix(superelement, pairs)
-    stuck_limit = LinearLimit.of_modes(known.circular_frequency, known.modes, stuck_stiffness, undamped)
-    free_limit = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, undamped)
-    window = _window((stuck_limit, free_limit))
-    report = StageReport(None)
-    harmonics = excitation.on(superelement, 1).harmonics
-    balances = prepare_balances(
-        superelement, pairs, excitation, 2.0 * math.pi * (highest_hz or window[1]), harmonics, _SAMPLES,
-        modal_damping_ratio, "tractrix", report.stage, known,
+    row, curve = finite_array("output", output), curve_structure(structure)
+    highest = highest_hz or BEYOND * curve.highest_elastic_hz(pairs, MODES)
+    given = CurveInput(
+        pairs, excitation, 2.0 * math.pi * highest, excitation.harmonics, True, _SAMPLES, modal_damping_ratio,
+        "tractrix",
     )  # fmt: skip
+    balances = curve.balances(given, StageReport(None).stage)
+    window = _window((balances.closed, balances.free))
     stuck, free = (
         next((each for each in limit.peaks(window, balances.force, row) if each.bracketed), None)
-        for limit in (balances.closed, free_limit.with_damping(balances.stuck.damping))
+        for limit in (balances.closed, balances.free)
     )
-    if not balances.closed.damping_ratio(window):
+    is_damped = bool(balances.closed.damping_ratio(window))
+    if not is_damped:
         stuck, free = (each and replace(each, amplitude=math.inf) for each in (stuck, free))
     if stuck is None:
         return SlipOnset(stuck, free, None, None, "there is no stuck peak among the first modes.")
-    if not balances.closed.damping_ratio(window):
+    if not is_damped:
         return SlipOnset(stuck, free, None, None, "there is no viscous damping, so the stuck peak has no bound.")
     begins = np.sort(_slip_begins(balances, stuck))
     if not np.isfinite(begins).any():
         return SlipOnset(stuck, free, None, None, "no pair with Coulomb friction moves at the stuck peak.")
     first, last = float(begins[0]), float(np.quantile(begins, NEARLY_ALL, method="higher"))
+    if balances.no_static_mode:
+        return SlipOnset(stuck, free, first, None, balances.no_static_mode)
     if not math.isfinite(last):
         return SlipOnset(stuck, free, first, None, "some pairs do not move at the stuck peak.")
     try:
-        nearly_all = _sustained(balances, stuck_limit, stuck, last, row)
+        nearly_all = _sustained(balances.of_structure(), stuck, last, row)
     except StickslipError as error:
         return SlipOnset(stuck, free, first, None, str(error))
     trouble = "" if nearly_all else f"some pairs stick up to {HIGHEST_MOTION:g} times the motion of the lower estimate."
     return SlipOnset(stuck, free, first, nearly_all, trouble)
 
 
-def sector_slip_onset(
-    sector: CyclicSector,
-    pairs: ContactPairs,
-    excitation: Excitation,
-    output: ArrayLike,
-    *,
-    modal_damping_ratio: float | None = None,
-    highest_hz: float | None = None,
-) -> SlipOnset:
-    """As :func:`slip_onset`, of an output (2n,) of a sector of a disk under a travelling wave.
-
-    The excitation at which nearly all pairs slip is not computed. Raises InputError.
-    """
-    row = finite_array("output", output)
-    highest = highest_hz or max(float(sector.natural_frequencies(each, MODES)[-1]) for each in sector.diameters)
-    given = CurveInput(
-        pairs,
-        excitation,
-        2.0 * math.pi * highest,
-        excitation.harmonics,
-        True,
-        _SAMPLES,
-        modal_damping_ratio,
-        "tractrix",
-    )
-    balances = curve_structure(sector).balances(given, StageReport(None).stage)
-    window = _window((balances.closed, balances.free))
-    stuck, free = (
-        next((each for each in limit.peaks(window, balances.force, row) if each.bracketed), None)
-        for limit in (balances.closed, balances.free)
-    )
-    if stuck is None:
-        return SlipOnset(stuck, free, None, None, "there is no stuck peak among the first modes.")
-    first = float(_slip_begins(balances, stuck).min(initial=math.inf))
-    if not math.isfinite(first):
-        return SlipOnset(stuck, free, None, None, "no pair with Coulomb friction moves at the stuck peak.")
-    trouble = "for a sector of a disk, the excitation at which nearly all pairs slip is not computed."
-    return SlipOnset(stuck, free, first, None, trouble)
-
-
 def _window(limits: tuple[Limit, Limit]) -> tuple[float, float]:
     """Hz, of the first modes with stuck contacts and without contact."""
-    elastic = [each for limit in limits if (each := limit.natural_hz[~limit.rigid]).size]
+    elastic = [each for limit in limits if (each := elastic_hz(limit)).size]
     return BELOW * min(float(each[0]) for each in elastic), BEYOND * max(float(each[:MODES][-1]) for each in elastic)
 
 
@@ -186,15 +143,14 @@ def _slip_begins(balances: CurveBalances, peak: Peak) -> FloatArray:
     return begins
 
 
-def _sustained(
-    balances: Balances, undamped: LinearLimit, peak: Peak, motion: float, output: FloatArray
-) -> tuple[float, float] | None:
+def _sustained(balances: Balances, peak: Peak, motion: float, output: FloatArray) -> tuple[float, float] | None:
     """Lower and upper estimate of the excitation, over that of the study, under which nearly all pairs slip.
 
     In the shape of the stuck peak they do at ``motion``, over that of the peak. Raises InputError for a mode whose
     shape is not unique, ConvergenceError without an equilibrium.
     """
-    pairs, moving = balances.pairs, np.flatnonzero(~undamped.rigid)
+    pairs, undamped = balances.pairs, balances.closed
+    moving = np.flatnonzero(~undamped.rigid)
     index = int(np.abs(undamped.natural_hz[moving] - peak.frequency_hz).argmin())
     shape = undamped.modes[:, moving[index]]
     force = balances.force.coefficients(2.0 * math.pi * peak.frequency_hz)[1:3] @ shape

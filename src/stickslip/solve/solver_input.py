@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import Excitation
 from stickslip.structure.superelement import Superelement
@@ -35,3 +36,5 @@ class SolverInput:
     modal_damping_ratio: float | None = None
     structure: Any = None
     rayleigh: tuple[float, float] = (0.0, 0.0)
+
+    __repr__ = short_repr

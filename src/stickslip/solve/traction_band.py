@@ -1,4 +1,4 @@
-"""How far a frequency curve can move with the residual tractions of its pairs: extreme tractions, and their curves."""
+"""The range of a frequency curve with the residual tractions of its pairs: extreme tractions and their curves."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ NEAR_PEAK, MARGIN, FALLEN = 0.5, 0.5, 0.7
 WORTHWHILE, UNCHANGED, SELECTIONS = 0.01, 0.01, 3
 # chosen: a curve of the band ends after this multiple of the points of the whole curve.
 MOST_POINTS = 4
-# Tractions that give this fraction of the largest linear change serve in place of another curve.
+# Tractions that give this fraction of the largest linear change replace another curve.
 AS_GOOD = 0.95
 # chosen: an optimised peak gets a curve if it is farther out by this fraction.
 FURTHER = 1e-3
@@ -300,12 +300,12 @@ class TractionBandSearch:
         for name, traced, select, best_of in sides:
             self._report.stage(f"band of residual tractions: {name}, optimised")
             own = tops.near(traced.traction, traced.points[traced.top]) if traced.traction.any() else None
-            found = [
+            extremes = [
                 local_extreme(tops, start, select, self._limit, self._is_used_up)
                 for start in (*starts, *([own] if own else []))
             ]
-            self._extremes_found[name] = np.array([each.amplitude for each in found])
-            best = best_of(found, key=lambda each: each.amplitude)
+            self._extremes_found[name] = np.array([each.amplitude for each in extremes])
+            best = best_of(extremes, key=lambda each: each.amplitude)
             reached = best_of(each.highest_peak for each in self._traced if each.complete)
             if best_of(best.amplitude, reached) != reached and abs(best.amplitude - reached) > FURTHER * reached:
                 self._follow_from(f"{name}, optimised", best, (low, high))

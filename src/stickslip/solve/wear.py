@@ -191,16 +191,17 @@ def require_wearing_pairs(pairs: ContactPairs) -> None:
         raise argument_error(
             "pairs",
             f"the pairs follow the laws {', '.join(pairs.law_names)}, but wear requires Coulomb friction in all of "
-            "them: the others have no slip under a normal load.",
+            "them: the others have no slip under a normal load, or no open pairs.",
         )
     if not pairs.released:
         raise argument_error(
             "residual_traction",
-            "some pairs keep a traction at rest, but wear removes the material that holds it. Release the tractions.",
+            "some pairs retain a traction at rest, but wear removes the material that carries it. Release the "
+            "tractions.",
         )
     if not (pairs.preload > 0.0).any():
         raise argument_error(
-            "normal_load", "no pair is closed at rest, so nothing holds the joint while it wears. Give a normal load."
+            "normal_load", "no pair is closed at rest, so nothing presses the joint while it wears. Give a normal load."
         )
 
 
@@ -238,13 +239,13 @@ class _History:
         if unrefined:
             yield (
                 f"{unrefined} of the motions are those of the highest point of a frequency curve, because no peak was "
-                "found next to it; their amplitudes may be slightly low."
+                "found near it; their amplitudes may be slightly low."
             )
         if self.switches:
             places = ", ".join(f"{each:.4g}" for each in self.switches)
             yield (
-                f"Another peak was the highest after {places} cycles, and the wear goes on with its motion: frequency "
-                "and energy jump there, within the step before."
+                f"Another peak was the highest after {places} cycles, and the wear continues with its motion: "
+                "frequency and energy jump there, within the step before."
             )
 
 

@@ -43,7 +43,7 @@ class WornJoint:
             # Half a step in the logarithm: with the pressure of each pair a full step would overshoot.
             normal, tangential = np.sqrt(normal * wanted[0]), np.sqrt(tangential * wanted[1])
         raise ConvergenceError(
-            f"the stiffness of the worn pairs under their own load did not settle in {MOST_ITERATIONS} iterations."
+            f"the stiffness of the worn pairs under their own load did not converge in {MOST_ITERATIONS} iterations."
         )
 
     def _at_rest(self, depth: FloatArray, normal: FloatArray, tangential: FloatArray) -> ContactPairs:
@@ -61,6 +61,6 @@ class WornJoint:
             self.pairs.coulomb.friction_coefficient,
             loads - normal * (gaps + depth),
         )
-        # The load that holds the joint without wear: the displacement is then zero.
+        # The load of the joint without wear: the displacement is then zero.
         load = self.pairs.operator[2::3].T @ loads
         return static_preload(self.superelement, unloaded, load, friction=False).about(unloaded, keep_traction=False)

@@ -14,7 +14,7 @@ from stickslip.structure.mesh import IntArray
 
 @dataclass(frozen=True)
 class Attachments:
-    """What a model adds to the matrices of its solids.
+    """Mass points and springs that a model adds to the matrices of its solids.
 
     Parameters
     ----------

@@ -49,9 +49,14 @@ def cached_superelement(
         new = made[0]
         return {"mass": new.mass, "stiffness": new.stiffness, "modes": new.recovery.modes}
 
-    arrays = _cached_arrays("superelement", _digest(structure, boundary_nodes, np.array([n_modes])), compute)
+    arrays = cached_arrays("superelement", input_digest(structure, boundary_nodes, np.array([n_modes])), compute)
     if made:
         return made[0]
+    return stored_superelement(structure, boundary_nodes, arrays)
+
+
+def stored_superelement(structure: Structure, boundary_nodes: IntArray, arrays: Arrays) -> Superelement:
+    """The superelement of mass, stiffness and fixed-interface modes of a file."""
     recovery = Recovery(structure, boundary_nodes, arrays["modes"])
     return Superelement(arrays["mass"], arrays["stiffness"], boundary_nodes=boundary_nodes, recovery=recovery)
 
@@ -64,11 +69,11 @@ def cached_tied_modes(structure: Structure, pairs: NodePairs, count: int) -> tup
         return {"frequency_hz": frequency_hz, "modes": modes}
 
     sides = (pairs.first_nodes, pairs.first_weights, pairs.second_nodes, pairs.second_weights)
-    arrays = _cached_arrays("modes", _digest(structure, *sides, np.array([count])), compute)
+    arrays = cached_arrays("modes", input_digest(structure, *sides, np.array([count])), compute)
     return arrays["frequency_hz"], arrays["modes"]
 
 
-def _cached_arrays(kind: str, digest: str, compute: Callable[[], Arrays]) -> Arrays:
+def cached_arrays(kind: str, digest: str, compute: Callable[[], Arrays]) -> Arrays:
     """The arrays of a file, or those of ``compute()``, which are then written for the next run."""
     folder = cache_folder()
     if folder is None:
@@ -90,7 +95,8 @@ def cache_folder() -> Path | None:
     return None if base is None else base / "stickslip"
 
 
-def _digest(structure: Structure, *numbers: NDArray[Any]) -> str:
+def input_digest(structure: Structure, *numbers: NDArray[Any]) -> str:
+    """Digest of the matrices and constraints of a structure, of further arrays, and of the code of this package."""
     digest = hashlib.blake2b(_code(), digest_size=16)
     for matrix in (structure.stiffness, structure.mass):
         for array in (matrix.indptr, matrix.indices, matrix.data):

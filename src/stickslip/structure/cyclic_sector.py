@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 import scipy.linalg
@@ -22,7 +22,7 @@ from stickslip.core.validation import (
 )
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry, IntArray
 from stickslip.structure.phase_lag import LaggedModel
-from stickslip.structure.superelement import require_rayleigh_factors
+from stickslip.structure.superelement import PairsOfNodes, rayleigh_damping_matrix
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,17 +30,6 @@ if TYPE_CHECKING:
 Matrix = NDArray[Any]  # real or complex
 # chosen: largest asymmetry, of the largest entry, that counts as round-off.
 SYMMETRIC = 1e-8
-
-
-class PairsOfNodes(Protocol):
-    """Contact pairs between nodes of a mesh."""
-
-    @property
-    def nodes(self) -> IntArray:
-        """(k,) the nodes of all pairs, each once."""
-
-    def mesh_operator(self, n_nodes: int) -> Any:
-        """csr (3 * n_pairs, 3 * n_nodes) rows t1, t2, n of each pair."""
 
 
 @dataclass(frozen=True)
@@ -185,19 +174,30 @@ class CyclicSector:
             arguments=["superelement"],
         )
 
+    @property
+    def row_size(self) -> int:
+        """Number 2n of entries of a row of an output or a pair: the unknowns of this sector and of the next one."""
+        return 2 * self.size
+
+    def require_structure(self) -> NoReturn:
+        """A sector has no single matrices: raises InputError."""
+        raise self.no_structure()
+
+    def require_sector(self) -> CyclicSector:
+        """This one: for what only a sector of a disk has."""
+        return self
+
     def with_rayleigh_damping(self, mass_factor: float, stiffness_factor: float) -> CyclicSector:
-        """The sector with the damping ``mass_factor M + stiffness_factor K`` for each diameter (1/s and s).
+        """The sector with the damping ``mass_factor M + stiffness_factor K`` for each diameter (1/s and s), beside its
+        own. Raises InputError for a factor below zero."""
 
-        Raises InputError for a factor below zero.
-        """
-        require_rayleigh_factors(mass_factor, stiffness_factor)
-        damped = {
-            diameter: replace(each, damping=mass_factor * each.mass + stiffness_factor * each.stiffness)
-            for diameter, each in self.diameters.items()
-        }
-        return replace(self, diameters=damped)
+        def damped(matrices: LaggedMatrices) -> LaggedMatrices:
+            new = rayleigh_damping_matrix(matrices, mass_factor, stiffness_factor)
+            return replace(matrices, damping=new if matrices.damping is None else new + matrices.damping)
 
-    def without_modes(self) -> CyclicSector:
+        return replace(self, diameters={diameter: damped(each) for diameter, each in self.diameters.items()})
+
+    def without_recovery(self) -> CyclicSector:
         """Without the fixed-interface modes, which only the motion of the mesh requires."""
         return replace(self, diameters={key: replace(each, modes=None) for key, each in self.diameters.items()})
 

@@ -19,7 +19,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class CyclicSymmetry:
-    """How a sector continues in the next one.
+    """The symmetry of a disk: the boundaries of a sector and the rotation to the next one.
 
     Parameters
     ----------

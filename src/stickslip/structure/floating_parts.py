@@ -51,9 +51,8 @@ def strainless_motions(stiffness: Any, typical: FloatArray | float | None = None
     return np.asarray(scale[:, None] * vector[:, value < ZERO_ENERGY])
 
 
-def floating_message(stiffness: Any, node: IntArray) -> str:
-    """A message on the parts that make a stiffness (n, n) with constrained boundary nodes singular; ``node`` (n,) names
-    its unknowns."""
+def unsupported_unknowns(stiffness: Any) -> IntArray:
+    """(k,) unknowns of the connected parts of a sparse stiffness (n, n) that move without strain."""
     part = parts_of(stiffness)
     floating = []
     for number in range(int(part.max()) + 1):
@@ -62,14 +61,22 @@ def floating_message(stiffness: Any, node: IntArray) -> str:
             factorize(stiffness[mine][:, mine])
         except SingularMatrixError:
             floating.append(mine)
-    if not floating:
+    return np.concatenate([np.empty(0, dtype=np.int64), *floating])
+
+
+def floating_message(stiffness: Any, node: IntArray) -> str:
+    """A message on the parts that make a stiffness (n, n) with constrained boundary nodes singular; ``node`` (n,) names
+    its unknowns."""
+    part, floating = parts_of(stiffness), unsupported_unknowns(stiffness)
+    if not floating.size:
         return (
             f"the stiffness of the {stiffness.shape[0]} unknowns between the boundary nodes is singular or nearly so, "
             "although each of its connected parts is constrained; its entries differ too much in size."
         )
-    first = floating[0]
+    numbers = list(dict.fromkeys(part[floating].tolist()))
+    first = floating[part[floating] == numbers[0]]
     return (
-        f"the stiffness is singular with all boundary nodes fixed: {len(floating)} of {part.max() + 1} connected parts "
+        f"the stiffness is singular with all boundary nodes fixed: {len(numbers)} of {part.max() + 1} connected parts "
         f"are unsupported. The first has {named_nodes(node[first])} and "
         f"{strainless_motions(stiffness[first][:, first]).shape[1]} motions without strain. Choose enough of its nodes "
         "as boundary nodes (three that are not in one line), or fix it."

@@ -50,7 +50,7 @@ class Mesh:
         edges 0-1, 1-2, 2-3, 3-0, 4-5, 5-6, 6-7, 7-4, 0-4, 1-5, 2-6, 3-7. A tuple of such arrays is a mesh of several
         kinds, whose cells are numbered from 0 through all arrays.
     body:
-        (n_cells,) number of the body that each cell belongs to; one body when left out.
+        (n_cells,) number of the body that each cell belongs to; by default one body.
     node_sets:
         name -> (k,) node numbers. The nodes of a face set are added under its name, and those of an element set unless
         the name is taken.
@@ -66,7 +66,7 @@ class Mesh:
     ------
     InputError
         for coordinates that are not finite, cells of an unknown kind, node or cell numbers that do not exist, a node
-        without a cell, a named body without one, arrays that hold no sides, and a cell that is inverted or flat.
+        without a cell, a named body without one, arrays that contain no sides, and a cell that is inverted or flat.
     """
 
     points: FloatArray
@@ -248,7 +248,7 @@ class Mesh:
 
 
 def _checked_cells(points: FloatArray, groups: tuple[IntArray, ...]) -> tuple[IntArray, ...]:
-    """Arrays of cells, those without cells left out."""
+    """The arrays of cells that are not empty."""
     checked: list[IntArray] = []
     for group in groups:
         cells = node_numbers("cells", group, len(points))

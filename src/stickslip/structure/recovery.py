@@ -17,6 +17,9 @@ from stickslip.structure.superelement import Superelement
 CORRECTIONS = 3
 
 
+_BLOCK = 64  # chosen to bound the memory of a projection
+
+
 class FullModel(Protocol):
     """A model that can be reduced and recovered: a :class:`Structure`, or matrices of another program."""
 
@@ -150,7 +153,19 @@ class Recovery:
         boundary's static displacements are exact for loads anywhere, and the force on each mode. Parts of a load on
         constrained displacements go into the support. As rows, the result gives ``f . u`` from the unknowns.
         """
-        free = self._structure.gather(load)
+        return self._project(self._structure.gather(load))
+
+    def projected(self, matrix: Any) -> FloatArray:
+        """``T^T A T`` (n, n) of a sparse matrix (n_free, n_free) of the free unknowns, a block of columns at a time."""
+        size = self.shape[1]
+        answer = np.empty((size, size))
+        for start in range(0, size, _BLOCK):
+            columns = np.eye(size)[:, start : start + _BLOCK]
+            answer[:, start : start + _BLOCK] = self._project(matrix @ self._free(columns))
+        return answer
+
+    def _project(self, free: FloatArray) -> FloatArray:
+        """``T^T f`` of forces (n_free, k) on the free unknowns."""
         inside = free[self._interior]
         boundary = free[self._boundary] - self._coupling().T @ self._solve(inside)
         return np.concatenate([boundary, self.modes.T @ inside])

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, get_args
 
 import numpy as np
+import scipy.sparse
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError, SingularMatrixError
-from stickslip.core.validation import FloatArray, argument_error, finite_array
+from stickslip.core.validation import FloatArray, argument_error, finite_array, require_choice
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factorize, is_positive_definite
+from stickslip.structure.floating_parts import unsupported_unknowns
 from stickslip.structure.gyroscopic import gyroscopic_modes
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.rotating_superelement import RPM, checked_speed
 from stickslip.structure.rotation_matrices import (
     coriolis_matrix,
@@ -22,8 +25,9 @@ from stickslip.structure.rotation_matrices import (
     softening_matrix,
     stress_stiffness_matrix,
 )
-from stickslip.structure.sector_reduction import constant_motion, lagged_model
+from stickslip.structure.sector_reduction import boundary_unknowns, constant_motion, lagged_model
 
+FreeBodies = Literal["rejected", "at rest"]
 # chosen: modes without Coriolis forces in which those with them are computed: this multiple of the number, and more.
 BASIS_FACTOR, BASIS_MORE = 2, 12
 # chosen: static displacement over the diagonal of the bounding box. Without the change of geometry, frequencies of a
@@ -54,6 +58,9 @@ class RotatingStructure:
         ``stress_stiffness`` depends.
     symmetry:
         of a sector; None for a complete structure.
+    unsupported:
+        (k,) unknowns of bodies that move freely, which have no effects of the speed but their load; empty unless
+        :func:`rotating` allows them.
     """
 
     structure: Structure
@@ -65,6 +72,7 @@ class RotatingStructure:
     load: FloatArray
     displacement: FloatArray
     symmetry: CyclicSymmetry | None = None
+    unsupported: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def __repr__(self) -> str:
         axis = ", ".join(f"{each:.4g}" for each in self.axis)
@@ -107,13 +115,16 @@ class RotatingStructure:
 
     def _is_stable(self, stiffness: Any) -> bool:
         """Whether a stiffness has only positive eigenvalues, that of a sector in all nodal diameters."""
-        if is_positive_definite(stiffness):
+        supported = np.setdiff1d(np.arange(stiffness.shape[0]), self.unsupported)
+        if is_positive_definite(stiffness[supported][:, supported]):
             return True
         if self.symmetry is None:
             return False
         sectors = self.symmetry.sectors
-        lagged = lagged_model(replace(self.structure, stiffness=stiffness), self.symmetry).stiffness
-        return all(is_positive_definite(lagged.at(diameter, sectors)) for diameter in range(sectors // 2 + 1))
+        lagged = lagged_model(replace(self.structure, stiffness=stiffness), self.symmetry)
+        here = np.flatnonzero(np.isin(lagged.remaining, supported))
+        every = (lagged.stiffness.at(diameter, sectors) for diameter in range(sectors // 2 + 1))
+        return all(is_positive_definite(each[here][:, here]) for each in every)
 
     def require_complete(self, instead: str) -> None:
         """Raise InputError for a sector, which is used ``instead`` in another function."""
@@ -156,6 +167,27 @@ class RotatingStructure:
         return gyroscopic_modes(2.0 * np.pi * frequency_hz, coupling)[0][:count] / (2.0 * np.pi)
 
 
+@dataclass(frozen=True)
+class RotatingBodies:
+    """Bodies of a mesh at a speed: ``structure`` has the stiffness there, and its Coriolis forces are a matrix of
+    their own, csr (n_free, n_free) N s/m, or None.
+
+    With a ``top_speed_rpm``, one reduction of the ``rotor`` is valid for all speeds up to it.
+    """
+
+    structure: Structure
+    gyroscopic: Any
+    rotor: RotatingStructure
+    coriolis: bool
+    speed_rpm: float
+    top_speed_rpm: float | None = None
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh of all bodies."""
+        return self.structure.mesh
+
+
 def rotating(
     structure: Structure,
     axis: ArrayLike,
@@ -163,6 +195,8 @@ def rotating(
     *,
     symmetry: CyclicSymmetry | None = None,
     backend: Backend = "superlu",
+    free_bodies: FreeBodies = "rejected",
+    masses: ArrayLike | None = None,
 ) -> RotatingStructure:
     """A structure in a frame that rotates at a constant speed: linear prestress theory.
 
@@ -181,12 +215,19 @@ def rotating(
     symmetry:
         for one sector of a disk: its static state is that of the whole disk. ``at(speed_rpm)`` is then a structure for
         :func:`sector_frequencies` and :func:`cyclic_sector`, without Coriolis forces.
+    free_bodies:
+        bodies that nothing but contact supports, such as dampers: ``"at rest"`` gives them their matrices at rest. They
+        have a centrifugal load, but no softening, no Coriolis forces and no stress stiffness, and their contact forces
+        do not stress the other bodies. ``"rejected"`` raises InputError for them.
+    masses:
+        (n_nodes,) kg of mass points at nodes, which the mass matrix of the structure contains beside its cells.
 
     Raises
     ------
     InputError
-        for an axis of length zero or another one than that of the symmetry, a structure without materials, and one
-        with a body that moves freely.
+        for masses of another shape, an axis of length zero or another one than that of the symmetry, a structure
+        without materials, and one with a body that moves freely, unless ``free_bodies`` allows it; for one in which all
+        bodies do.
 
     Sources: G. Genta, Dynamics of Rotating Systems (2005); M. Geradin, D. Rixen, Mechanical Vibrations, 3rd ed. (2015).
     """
@@ -200,23 +241,18 @@ def rotating(
             "the structure has no materials, so its density is unknown. Make it with assemble or assemble_bodies.",
             arguments=["structure"],
         )
-    load = centrifugal_load(structure.mesh, structure.materials, direction, origin)
+    points = np.zeros(structure.mesh.n_nodes) if masses is None else finite_array("masses", masses)
+    if points.shape != (structure.mesh.n_nodes,):
+        raise argument_error(
+            "masses", f"masses must have shape ({structure.mesh.n_nodes},), but its shape is {points.shape}."
+        )
+    load = centrifugal_load(structure.mesh, structure.materials, direction, origin, points)
     if symmetry is not None:
         _require_axis_of(symmetry, direction, origin)
-    free = structure.gather(load)
-    try:
-        if symmetry is None:
-            motion = factorize(structure.stiffness, backend).solve(free)
-        else:
-            motion = constant_motion(structure, symmetry, free, backend)
-    except SingularMatrixError as error:
-        raise InputError(
-            "the structure has a body that moves freely, so its centrifugal load has no static state. Constrain it, or "
-            f"tie it to a body that is constrained. ({error})",
-            arguments=["structure"],
-        ) from error
+    require_choice("free_bodies", free_bodies, get_args(FreeBodies))
+    motion, unsupported = _static_motion(structure, symmetry, structure.gather(load), backend, free_bodies)
     displacement = structure.expand(motion)
-    mass = nodal_mass(structure.mesh, structure.materials)
+    mass = nodal_mass(structure.mesh, structure.materials) + scipy.sparse.diags(points)
     stress, softening, coriolis = (
         _of_unknowns(structure, matrix)
         for matrix in (
@@ -225,7 +261,58 @@ def rotating(
             coriolis_matrix(mass, direction),
         )
     )
-    return RotatingStructure(structure, direction, origin, stress, softening, coriolis, load, displacement, symmetry)
+    if unsupported.size:
+        rotates = np.ones(motion.size)
+        rotates[unsupported] = 0.0
+        only = scipy.sparse.diags(rotates)
+        stress, softening, coriolis = ((only @ each @ only).tocsr() for each in (stress, softening, coriolis))
+    return RotatingStructure(
+        structure, direction, origin, stress, softening, coriolis, load, displacement, symmetry, unsupported
+    )
+
+
+def _static_motion(
+    structure: Structure, symmetry: CyclicSymmetry | None, load: FloatArray, backend: Backend, free_bodies: FreeBodies
+) -> tuple[FloatArray, IntArray]:
+    """(n_free,) m under a load (n_free,) N, and the unknowns of bodies that move freely, whose motion is zero.
+
+    Raises InputError, see :func:`rotating`.
+    """
+    try:
+        if symmetry is None:
+            return factorize(structure.stiffness, backend).solve(load), np.empty(0, dtype=np.int64)
+        return constant_motion(structure, symmetry, load, backend), np.empty(0, dtype=np.int64)
+    except SingularMatrixError as error:
+        if free_bodies == "rejected":
+            raise InputError(
+                "the structure has a body that moves freely, so its centrifugal load has no static state. Constrain "
+                'it, or tie it to a body that is constrained; free_bodies="at rest" is for dampers that only contact '
+                f"supports. ({error})",
+                arguments=["structure"],
+            ) from error
+    if symmetry is None:
+        free = unsupported_unknowns(structure.stiffness)
+    else:
+        model = lagged_model(structure, symmetry)
+        alone = np.zeros(load.size, dtype=bool)
+        alone[model.remaining[unsupported_unknowns(model.stiffness.at(0, symmetry.sectors))]] = True
+        left, right, turned = boundary_unknowns(structure, symmetry)
+        alone[right] = (abs(turned) @ alone[left].astype(float)) > 0.0
+        free = np.flatnonzero(alone)
+    if free.size == load.size:
+        raise InputError(
+            "no body of the structure is constrained, so its centrifugal load has no static state. Constrain one.",
+            arguments=["structure"],
+        )
+    # A spring to the ground on the bodies that move freely: the others are not connected to them.
+    held = np.zeros(load.size)
+    held[free] = structure.stiffness.diagonal().max()
+    regular = replace(structure, stiffness=(structure.stiffness + scipy.sparse.diags(held)).tocsr())
+    without = load.copy()
+    without[free] = 0.0
+    if symmetry is None:
+        return factorize(regular.stiffness, backend).solve(without), free
+    return constant_motion(regular, symmetry, without, backend), free
 
 
 def _require_axis_of(symmetry: CyclicSymmetry, direction: FloatArray, point: FloatArray) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
 from stickslip.core.errors import InputError
@@ -17,7 +17,7 @@ from stickslip.structure.factor import Backend, Factor, factorize
 from stickslip.structure.recovery import Recovery, partition
 from stickslip.structure.rotating import RotatingStructure
 from stickslip.structure.rotating_superelement import RotatingSuperelement
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, moves_freely
 
 # chosen: a change of the constraint modes with the speed is in the basis if its energy is above this fraction of the
 # energy of the boundary motion that causes it: that of the square of a frequency without it.
@@ -77,7 +77,7 @@ def rotating_superelement(
         ends = [
             _End(each.stiffness, inner_mass, boundary, interior, count, backend, threads) for each in (structure, top)
         ]
-        change = _changes(ends[0], ends[1])
+        change = _changes(ends[0], ends[1], ~np.isin(boundary, rotor.unsupported))
         vectors = np.hstack([ends[0].modes, ends[1].modes, change])
         modes = _ritz_vectors(vectors, ends[0].stiffness_ii, inner_mass)
         basis = np.zeros((structure.stiffness.shape[0], len(boundary) + modes.shape[1]))
@@ -93,12 +93,15 @@ def rotating_superelement(
         0.5 * (mass + mass.T), 0.5 * (stiffness + stiffness.T), boundary_nodes=nodes, recovery=recovery,
         positions=structure.mesh.points[nodes],
     )  # fmt: skip
-    compared = min(COMPARED, count)
-    full_hz = natural_frequencies(top.stiffness, top.mass, compared)[0]
     halves = 0.5 * (speed_stiffness + speed_stiffness.T), 0.5 * (coriolis - coriolis.T)
-    draft = RotatingSuperelement(at_rest, *halves, load, top_speed_rpm, full_hz, full_hz)
+    unknown = np.empty(0)
+    draft = RotatingSuperelement(at_rest, *halves, load, top_speed_rpm, unknown, unknown)
     reduced = draft.at(top_speed_rpm, coriolis=False)
-    reduced_hz = natural_frequencies(reduced.stiffness, reduced.mass, compared)[0]
+    squares, shapes = scipy.linalg.eigh(reduced.stiffness, reduced.mass)
+    rigid = moves_freely(reduced.stiffness, shapes)
+    compared = min(COMPARED, count)
+    full_hz = natural_frequencies(top.stiffness, top.mass, int(rigid.sum()) + compared)[0][-compared:]
+    reduced_hz = np.sqrt(squares[~rigid][:compared]) / (2.0 * np.pi)
     return RotatingSuperelement(at_rest, *halves, load, top_speed_rpm, full_hz, reduced_hz)
 
 
@@ -116,13 +119,16 @@ class _End:
         self.boundary_stiffness = stiffness[boundary][:, boundary].toarray() + coupling.T @ self.constraint
 
 
-def _changes(rest: _End, top: _End) -> FloatArray:
-    """(n_interior, k) combinations of the changes of the constraint modes whose energy is above LEAST_CHANGE."""
-    change = top.constraint - rest.constraint
-    energy = change.T @ (rest.stiffness_ii @ change)
-    size, motions = scipy.linalg.eigh(
-        0.5 * (energy + energy.T), 0.5 * (rest.boundary_stiffness + rest.boundary_stiffness.T)
-    )
+def _changes(rest: _End, top: _End, supported: NDArray[np.bool_]) -> FloatArray:
+    """(n_interior, k) combinations of the changes of the constraint modes whose energy is above LEAST_CHANGE.
+
+    ``supported`` (n_boundary,) marks unknowns of bodies that the speed changes.
+    """
+    if not supported.any():
+        return np.zeros((len(rest.modes), 0))
+    change = (top.constraint - rest.constraint)[:, supported]
+    energy, own = change.T @ (rest.stiffness_ii @ change), rest.boundary_stiffness[np.ix_(supported, supported)]
+    size, motions = scipy.linalg.eigh(0.5 * (energy + energy.T), 0.5 * (own + own.T))
     return np.asarray(change @ motions[:, size > LEAST_CHANGE])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,9 +19,11 @@ from stickslip.core.validation import (
     skew_matrix,
     symmetric_matrix,
 )
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, moves_freely
 
 RPM = 2.0 * np.pi / 60.0  # rad/s of one revolution in a minute
+# chosen: entries of the forces of K_w on a free motion that are round-off, over the product of both largest entries
+NO_ACTION = 1e-8
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ class RotatingSuperelement:
     def collapse_speed_rpm(self) -> float:
         """The lowest speed in rpm at which the stiffness without contact is singular, because spin softening exceeds
         it; infinite if none."""
-        return collapse_speed(self.at_rest.stiffness, self.speed_stiffness)
+        return collapse_speed(self.at_rest.stiffness, self.speed_stiffness, self.at_rest.mass)
 
     @property
     def difference_percent(self) -> FloatArray:
@@ -107,6 +109,10 @@ class RotatingSuperelement:
             gyroscopic=omega * self.coriolis if coriolis and omega else None,
         )
 
+    def without_recovery(self) -> RotatingSuperelement:
+        """Without what only the motion of the mesh requires."""
+        return replace(self, at_rest=self.at_rest.without_recovery())
+
     def load_at(self, speed_rpm: float) -> FloatArray:
         """(n,) N, the centrifugal load at a speed in rpm, for :func:`static_preload`."""
         return np.asarray(self._omega(speed_rpm) ** 2 * self.load)
@@ -122,19 +128,27 @@ class RotatingSuperelement:
         return RPM * speed
 
 
-def collapse_speed(stiffness: FloatArray, speed_stiffness: FloatArray) -> float:
+def collapse_speed(stiffness: FloatArray, speed_stiffness: FloatArray, mass: FloatArray) -> float:
     """The lowest speed in rpm at which ``K + W^2 K_w`` (dense, n x n) is singular; infinite if none.
 
-    Raises InputError for a stiffness at rest that is not positive definite.
+    Motions of free bodies, on which K_w does not act, do not count. Raises InputError for another stiffness at rest
+    that is not positive definite.
     """
     size = len(stiffness)
-    try:
-        largest = float(scipy.linalg.eigvalsh(-speed_stiffness, stiffness, subset_by_index=(size - 1, size - 1))[0])
-    except scipy.linalg.LinAlgError as error:
+    squares, modes = scipy.linalg.eigh(stiffness, mass)
+    rigid = moves_freely(stiffness, modes)
+    free = modes[:, rigid]
+    acting = np.abs(speed_stiffness @ free).max(initial=0.0)
+    allowed = NO_ACTION * np.abs(speed_stiffness).max(initial=0.0) * np.abs(free).max(initial=0.0)
+    if acting > allowed or (squares[~rigid] <= 0.0).any():
         raise InputError(
             "the stiffness at rest is not positive definite: a body moves freely, and at any speed the centrifugal "
             "force would throw it off. Constrain it, or tie it to a body that is constrained."
-        ) from error
+        )
+    if rigid.any():  # a spring along each free motion, which the speed does not change
+        carried = mass @ free
+        stiffness = stiffness + float(squares[~rigid].min()) * carried @ carried.T
+    largest = float(scipy.linalg.eigvalsh(-speed_stiffness, stiffness, subset_by_index=(size - 1, size - 1))[0])
     return 1.0 / (RPM * float(np.sqrt(largest))) if largest > 0.0 else np.inf
 
 

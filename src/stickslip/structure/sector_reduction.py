@@ -86,10 +86,10 @@ def cyclic_sector(
     reduced = {}
     with threadpool_limits(limits=1):
         for place, diameter in enumerate(wanted):
-            share = _share(report, place, len(wanted), diameter)
+            listener = _part_of_progress(report, place, len(wanted), diameter)
             matrices = model.at(diameter, symmetry.sectors)
             node_of = structure.node[model.remaining]
-            part = reduced_matrices(matrices, node_of, boundary, interior, n_modes, backend, threads, share)
+            part = reduced_matrices(matrices, node_of, boundary, interior, n_modes, backend, threads, listener)
             reduced[diameter] = _hermitian(part)
     return CyclicSector(symmetry.sectors, reduced, nodes, structure.mesh.points[nodes], symmetry)
 
@@ -97,7 +97,11 @@ def cyclic_sector(
 def sector_frequencies(
     structure: Structure, symmetry: CyclicSymmetry, diameters: Sequence[int], count: int
 ) -> dict[int, FloatArray]:
-    """Nodal diameter -> (count,) Hz, the lowest natural frequencies of the unreduced disk without contact."""
+    """Nodal diameter -> (count,) Hz, the lowest natural frequencies of the unreduced disk without contact.
+
+    ``structure`` and ``symmetry`` are those of :func:`cyclic_sector`; ``diameters`` are numbers from 0 to N // 2.
+    Raises InputError for a nodal diameter that does not exist, and for a symmetry of another mesh.
+    """
     model = lagged_model(structure, symmetry)
     answer = {}
     for diameter in diameters:
@@ -117,7 +121,7 @@ def _hermitian(part: ReducedMatrices) -> LaggedMatrices:
     return LaggedMatrices(mended(part.mass), mended(part.stiffness), damping, part.modes)
 
 
-def _share(report: ProgressCallback, place: int, count: int, diameter: int) -> Callable[[float, str], None]:
+def _part_of_progress(report: ProgressCallback, place: int, count: int, diameter: int) -> Callable[[float, str], None]:
     """Progress of one of ``count`` diameters."""
     return lambda fraction, words: report((place + fraction) / count, f"nodal diameter {diameter}: {words}")
 
@@ -131,7 +135,7 @@ def constant_motion(
     """
     require_mesh_of(structure.mesh, symmetry)
     model = lagged_model(structure, symmetry)
-    left, right, rotation = _boundary_unknowns(structure, symmetry)
+    left, right, rotation = boundary_unknowns(structure, symmetry)
     folded = load.copy()
     folded[left] += rotation.T @ load[right]
     motion = np.zeros(load.shape)
@@ -153,12 +157,12 @@ def lagged_model(structure: FullModel, symmetry: CyclicSymmetry) -> LaggedModel:
             "yet. Give one mesh with common nodes, or the full ring.",
             arguments=["structure"],
         )
-    left, right, rotation = _boundary_unknowns(structure, symmetry)
+    left, right, rotation = boundary_unknowns(structure, symmetry)
     matrices = (structure.stiffness, structure.mass, getattr(structure, "damping", None))
     return LaggedModel.of_unknowns(matrices, left, right, rotation)
 
 
-def _boundary_unknowns(structure: FullModel, symmetry: CyclicSymmetry) -> tuple[IntArray, IntArray, Any]:
+def boundary_unknowns(structure: FullModel, symmetry: CyclicSymmetry) -> tuple[IntArray, IntArray, Any]:
     """The free unknowns of both boundaries and the rotation between them."""
     position = np.full(structure.full_size, -1)
     position[structure.free_unknowns] = np.arange(structure.free_unknowns.size)

@@ -13,13 +13,14 @@ import scipy.sparse
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
-from stickslip.structure.cyclic_sector import CyclicSector, PairsOfNodes, folded
+from stickslip.structure.cyclic_sector import CyclicSector, folded
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import factorize
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.phase_lag import LaggedModel
 from stickslip.structure.sector_reduction import cyclic_sector, lagged_model
+from stickslip.structure.superelement import PairsOfNodes
 
 
 @dataclass(frozen=True)

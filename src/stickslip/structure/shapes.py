@@ -63,7 +63,7 @@ def shape_functions(n_nodes: int, points: FloatArray) -> tuple[FloatArray, Float
     from skfem import ElementHex1, ElementHexS2, ElementTetP1, ElementTetP2, ElementWedge1
 
     element = {4: ElementTetP1, 10: ElementTetP2, 6: ElementWedge1, 8: ElementHex1, 20: ElementHexS2}[n_nodes]()
-    # Where our reference coordinate runs from -1 to 1, that of scikit-fem runs from 0 to 1.
+    # Where the reference coordinate here runs from -1 to 1, that of scikit-fem runs from 0 to 1.
     centred = {4: [0.0, 0.0, 0.0], 10: [0.0, 0.0, 0.0], 6: [0.0, 0.0, 1.0]}.get(n_nodes, [1.0, 1.0, 1.0])
     start = np.array(centred)
     scale = 1.0 - 0.5 * start
@@ -176,7 +176,7 @@ def strain_matrix(gradients: FloatArray) -> FloatArray:
 def compatible_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray:
     """(m, 3k, 3k) stiffness ``integral of B^T D B`` of cells of one kind, N/m.
 
-    ``cells`` (m, k, 3) node coordinates in m, whose number k tells the kind; ``elastic`` (6, 6) Pa.
+    ``cells`` (m, k, 3) node coordinates in m, whose number k gives the kind; ``elastic`` (6, 6) Pa.
     """
     n_nodes = cells.shape[1]
     points, weights = stiffness_rule(n_nodes)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.core.errors import InputError
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.structure.cell_kinds import KIND_OF_SIZE
 from stickslip.structure.elasticity import Structure
@@ -32,6 +33,8 @@ class NodalStress:
     node: IntArray
     body: IntArray
     stress: FloatArray
+
+    __repr__ = short_repr
 
     def at_nodes(self, values: FloatArray, n_nodes: int) -> FloatArray:
         """(n_nodes,) the largest of ``values`` (p,) at each node, over its bodies."""

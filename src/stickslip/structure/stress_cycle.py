@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, finite_array
 
 # Samples of a period for each harmonic. The square of the von Mises stress is a trigonometric polynomial of degree 2H,
@@ -52,6 +53,8 @@ class StressCycle:
     smallest_third_principal: FloatArray
     alternating: FloatArray
     mean: FloatArray
+
+    __repr__ = short_repr
 
 
 def stress_cycle(coefficients: FloatArray) -> StressCycle:

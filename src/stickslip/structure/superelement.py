@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, NoReturn, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,17 @@ from stickslip.core.validation import FloatArray, finite_array, skew_matrix, sym
 RIGID_FRACTION = 1e-10
 # chosen: part of the largest entry of a mode that counts as its round-off in other unknowns; eigensolvers leave 1e-14.
 ROUND_OFF_PART = 1e-8
+
+
+class PairsOfNodes(Protocol):
+    """Contact pairs between nodes of a mesh."""
+
+    @property
+    def nodes(self) -> NDArray[np.int64]:
+        """(k,) the nodes of all pairs, each once."""
+
+    def mesh_operator(self, n_nodes: int) -> Any:
+        """csr (3 * n_pairs, 3 * n_nodes) rows t1, t2, n of each pair."""
 
 
 @dataclass(frozen=True)
@@ -141,6 +152,46 @@ class Superelement:
             )
         return np.asarray(3 * position[0] + np.arange(3), dtype=np.int64)
 
+    @property
+    def row_size(self) -> int:
+        """Number n of entries of a row of an output or a pair."""
+        return self.size
+
+    def operator(self, pairs: PairsOfNodes) -> FloatArray:
+        """(3 * n_pairs, n) rows t1, t2, n of pairs from the unknowns; n > 0 closes.
+
+        Raises InputError when a node of a pair is not among the boundary nodes.
+        """
+        boundary, nodes = self.boundary_nodes, pairs.nodes
+        missing = np.setdiff1d(nodes, boundary)
+        if missing.size:
+            raise InputError(
+                f"node {missing[0]} of a contact pair is not a boundary node of the superelement ({missing.size} of "
+                f"{nodes.size} are not); reduce again with FacePairs.nodes among the boundary_nodes."
+            )
+        full = pairs.mesh_operator(int(boundary.max()) + 1)
+        matrix = np.zeros((full.shape[0], self.size))
+        matrix[:, : 3 * len(boundary)] = full[:, (3 * boundary[:, None] + np.arange(3)).ravel()].toarray()
+        return matrix
+
+    def with_rayleigh_damping(self, mass_factor: float, stiffness_factor: float) -> Superelement:
+        """With the damping ``mass_factor M + stiffness_factor K`` (1/s and s) beside its own. Raises InputError for a
+        factor below zero."""
+        damping = rayleigh_damping_matrix(self, mass_factor, stiffness_factor)
+        return replace(self, damping=damping if self.damping is None else damping + self.damping)
+
+    def without_recovery(self) -> Superelement:
+        """Without what only the motion of the mesh requires."""
+        return replace(self, recovery=None)
+
+    def require_structure(self) -> Superelement:
+        """This one: for analyses of single matrices."""
+        return self
+
+    def require_sector(self) -> NoReturn:
+        """A superelement is no sector of a disk: raises InputError."""
+        raise InputError("a superelement is no sector of a disk; give a CyclicSector.", arguments=["superelement"])
+
     def selector(self, node: int, direction: tuple[float, float, float] | FloatArray) -> FloatArray:
         """The row (n,) of the displacement of a boundary node along ``direction`` (unit vector x, y, z)."""
         row = np.zeros(self.size)
@@ -179,3 +230,22 @@ def require_rayleigh_factors(mass_factor: float, stiffness_factor: float) -> Non
             f"stiffness_factor is {stiffness_factor:g} s.",
             arguments=["mass_factor", "stiffness_factor"],
         )
+
+
+class MassAndStiffness(Protocol):
+    """Matrices (n, n) of a structure, real or Hermitian."""
+
+    @property
+    def mass(self) -> NDArray[Any]: ...
+
+    @property
+    def stiffness(self) -> NDArray[Any]: ...
+
+
+def rayleigh_damping_matrix(matrices: MassAndStiffness, mass_factor: float, stiffness_factor: float) -> NDArray[Any]:
+    """``C = mass_factor M + stiffness_factor K`` (n, n) N s/m; the springs of the contact are not in K.
+
+    ``mass_factor`` in 1/s and ``stiffness_factor`` in s, both not negative; InputError otherwise.
+    """
+    require_rayleigh_factors(mass_factor, stiffness_factor)
+    return np.asarray(mass_factor * matrices.mass + stiffness_factor * matrices.stiffness)

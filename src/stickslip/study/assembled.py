@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from stickslip.case.case import Case
 from stickslip.model.joint import Joint
-from stickslip.model.layout import Setup
-from stickslip.model.model import AnyStructure, load_joint, set_up
+from stickslip.model.layout import AnyStructure, Setup
+from stickslip.model.model import load_joint, set_up
 from stickslip.study.mode import require_mode
 
 

@@ -11,15 +11,11 @@ from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis
 from stickslip.case.case import Case, TwoBladeCase
 from stickslip.case.load import has_range
 from stickslip.core.plausible import suspecting
-from stickslip.core.validation import FloatArray
 from stickslip.model.joint import Joint, odd_values
-from stickslip.model.layout import Layout
-from stickslip.model.model import AnyStructure, kind_of
+from stickslip.model.layout import AnyStructure, Layout
+from stickslip.model.model import kind_of
+from stickslip.model.study_structure import study_structure
 from stickslip.results.measures import hertz
-from stickslip.structure.cyclic_sector import folded
-from stickslip.structure.joined import joined_modes
-from stickslip.structure.sector_structure import SectorStructure
-from stickslip.structure.superelement import Superelement
 from stickslip.study.assembled import Assembled
 from stickslip.study.facts import (
     derived_quantities,
@@ -50,7 +46,9 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
     ]
     solver = case.solver
     with suspecting(odd_values(case, setup.layout)):
-        stuck_hz = _stuck_frequencies(case, structure, joint)
+        stuck_hz = study_structure(structure).stuck_frequencies(
+            joint.face_pairs, joint.resting_springs, kind_of(case).wave(case), SHOWN_FREQUENCIES
+        )
     solved = case.preload.method == "solved"
     constraint = "" if joint.closed_at_rest.all() else " (pairs without a gap)" if solved else f" {CLOSED_AT_REST}"
     sections = [
@@ -101,17 +99,6 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
     return sections
 
 
-def _stuck_frequencies(case: Case, structure: AnyStructure, joint: Joint) -> FloatArray:
-    """Hz, the lowest natural frequencies with contact stuck; of a disk those that the engine order excites."""
-    wave, springs = kind_of(case).wave(case), joint.resting_springs
-    if isinstance(structure, SectorStructure) and wave is not None:
-        diameter = folded(wave.waves(1), structure.symmetry.sectors)
-        return structure.stuck_frequencies(joint.face_pairs, springs, diameter, SHOWN_FREQUENCIES)
-    assert not isinstance(structure, SectorStructure)  # its kind has a wave
-    count = min(SHOWN_FREQUENCIES, structure.stiffness.shape[0] - 1)
-    return joined_modes(structure, joint.face_pairs, count, springs)[0]
-
-
 def _range_words(case: Case) -> str:
     if not has_range(case):
         return "the file has no frequency range; see the proposal"
@@ -145,8 +132,8 @@ def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
         yield (
             "performance curve",
             (
-                'none with preload.method = "solved", whose static solution takes longer at each force than the peak; '
-                'kind = "ridge" over preload.centrifugal_force follows the peak with it'
+                'none with preload.method = "solved", whose static solution needs more time at each force than the '
+                'peak; kind = "ridge" over preload.centrifugal_force follows the peak with it'
             ),
         )
 
@@ -166,7 +153,7 @@ def _is_undamped(case: Case, structure: AnyStructure) -> bool:
     """Whether neither the study nor the matrix files have any damping."""
     section = case.damping
     given = (section.modal_damping_ratio, section.rayleigh_alpha, section.rayleigh_beta)
-    return not any(given) and (not isinstance(structure, Superelement) or structure.damping is None)
+    return not any(given) and not study_structure(structure).has_damping
 
 
 def _short(value: str | float | int) -> str:

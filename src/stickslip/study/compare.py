@@ -17,7 +17,7 @@ from stickslip.study.export import require_free, target_of_tables
 from stickslip.study.places import RESULTS_FILE
 
 COMPARE_FILE = "compare.html"
-MOST_RESULTS = 12  # chosen: more curves cannot be told apart in one figure
+MOST_RESULTS = 12  # chosen: more curves cannot be distinguished in one figure
 
 
 def compare(

@@ -42,11 +42,10 @@ class DiskOfStudy:
     @classmethod
     def of(cls, case: Case, model: Model) -> DiskOfStudy | None:
         """The disk of a study of a sector; None for any other structure."""
-        wave = kind_of(case).wave(case)
-        if wave is None or not isinstance(model.structure, SectorStructure):
+        wave, structure = kind_of(case).wave(case), model.in_study.sector
+        if wave is None or structure is None:
             return None
-        assert isinstance(model.substructure, CyclicSector)
-        return cls(model.structure, model.substructure, model.pairs, model.joint.face_pairs, wave)
+        return cls(structure, model.substructure.require_sector(), model.pairs, model.joint.face_pairs, wave)
 
     @cached_property
     def ring(self) -> Ring:

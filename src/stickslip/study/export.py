@@ -8,10 +8,13 @@ from pathlib import Path
 from stickslip.core.errors import InputError
 from stickslip.core.files import require_folder
 from stickslip.core.validation import require_choice
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results
 from stickslip.results.table_files import FORMATS
 from stickslip.results.tables import study_tables
-from stickslip.study.places import RESULTS_FILE
+from stickslip.study.contact_file import write_contact
+from stickslip.study.places import CONTACT_FILE, RESULTS_FILE
 
 
 def export_tables(
@@ -45,20 +48,67 @@ def export_tables(
         for a results file that is damaged.
     """
     require_choice("to", to, tuple(FORMATS))
+    source = _results_in(folder)
+    target = target_of_tables(to, Path(folder) / FORMATS[to].default_name if path is None else Path(path), force)
+    return FORMATS[to].write(target, study_tables(*_loaded(source)))
+
+
+def export_contact(
+    folder: str | PathLike[str],
+    frequency_hz: float | None = None,
+    path: str | PathLike[str] | None = None,
+    force: bool = False,
+) -> Path:
+    """Write the contact pairs of a solved study as points of a .vtu file for ParaView, without solving again.
+
+    The fields are those of docs/results_files.md: state, fractions of the period, slip distance, pressure, energy.
+
+    Parameters
+    ----------
+    folder:
+        of ``run``, with results.nc.
+    frequency_hz:
+        of a point of the curve; None for the highest peak. On a fold it is the point with the largest amplitude.
+    path:
+        of the file; by default ``contact_at_peak.vtu`` in ``folder``, at a frequency ``contact_450Hz.vtu``.
+    force:
+        whether to overwrite a file that exists.
+
+    Raises
+    ------
+    InputError
+        for a folder without a result, a frequency that is not on the curve, results without positions of the pairs, a
+        path with another ending, one that exists, or one that cannot be written.
+    ResultsFileError
+        for a results file that is damaged.
+    """
+    source = _results_in(folder)
+    name = CONTACT_FILE if frequency_hz is None else f"contact_{frequency_hz:g}Hz.vtu"
+    target = Path(folder) / name if path is None else Path(path)
+    require_free(target, force)
+    return write_contact(target, *_loaded(source), frequency_hz)
+
+
+def _results_in(folder: str | PathLike[str]) -> Path:
+    """The results file of a run. Raises InputError."""
     source = Path(folder) / RESULTS_FILE
     if not source.is_file():
         raise InputError(
             f'the folder "{folder}" contains no {RESULTS_FILE}, the result of a run. Give the --out folder of '
             "stickslip run; the table of a sweep is its sweep.csv."
         )
-    target = target_of_tables(to, Path(folder) / FORMATS[to].default_name if path is None else Path(path), force)
+    return source
+
+
+def _loaded(source: Path) -> tuple[ForcedResponse, StudyRecord]:
+    """Response and study of a results file. Raises InputError, ResultsFileError."""
     saved = load_results(source)
     if saved.study is None:
         raise InputError(
             f'"{source}" contains a response without a study, so its outputs are unknown. Only "stickslip run" writes '
             "files with tables."
         )
-    return FORMATS[to].write(target, study_tables(saved.response, saved.study))
+    return saved.response, saved.study
 
 
 def target_of_tables(to: str, target: Path, force: bool) -> Path:

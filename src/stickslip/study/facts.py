@@ -15,14 +15,13 @@ from stickslip.contact.pairing.rows import EFFECT_OF_FEW_ROWS, faces_with_few_ro
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
-from stickslip.model.layout import Derived, Setup
-from stickslip.model.model import AnyStructure, kind_of
+from stickslip.model.layout import AnyStructure, Derived, Setup
+from stickslip.model.model import kind_of
 from stickslip.model.rough_face import RoughFace, fractal_roughness_of
+from stickslip.model.study_structure import study_structure
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.static.state import StaticState
-from stickslip.structure.sector_structure import SectorStructure
-from stickslip.structure.superelement import Superelement
 from stickslip.study.mode import reduced_unknowns
 
 if TYPE_CHECKING:
@@ -30,9 +29,24 @@ if TYPE_CHECKING:
     from stickslip.model.model import ReducedModel
 
 
+# chosen: a resultant below this fraction of the sum of its parts is their round-off
+ROUND_OFF = 1e-12
+
+
 def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
     """(name, value, unit, explanation) of preload, stiffness and roughness of each face, and of its pairs."""
-    return (*_faces(joint), *_roughness(case, joint), *joint.layout.facts, *kind_of(case).facts(case))
+    loads = _distributed_loads(case, joint)
+    return (*_faces(joint), *_roughness(case, joint), *joint.layout.facts, *loads, *kind_of(case).facts(case))
+
+
+def _distributed_loads(case: Case, joint: Joint) -> Iterator[Derived]:
+    """The resultants of rotation, gravity and pressures, which show a wrong unit, set or direction."""
+    for section, sizes in kind_of(case).load_sizes(case).items():
+        load = (joint.layout.unit_loads[section] @ np.array(sizes)).reshape(-1, 3)
+        total = load.sum(axis=0)
+        total[np.abs(total) <= ROUND_OFF * np.abs(load).sum()] = 0.0
+        words = "along x, y, z; with the part on constrained nodes"
+        yield f"Static force, {section}", ", ".join(f"{part:.4g}" for part in total), "N", words
 
 
 def _faces(joint: Joint) -> Iterator[Derived]:
@@ -43,7 +57,7 @@ def _faces(joint: Joint) -> Iterator[Derived]:
     for face, name in enumerate(joint.face_names):
         other = joint.law_of(face)
         if other is not None:
-            yield from _law_of_face(name, *other)
+            yield from _law_of_face(name, *other, int((joint.face_pairs.face == face).sum()))
             continue
         pressure = load[face] / area[face]
         description = "all pairs of the face, "
@@ -79,9 +93,13 @@ def _plain(value: float) -> str:
     return f"{float(f'{value:.3g}'):g}" if 1e-3 <= value < 1e5 else f"{value:.3g}"
 
 
-def _law_of_face(name: str, named: NamedLaw, law: ContactLaw) -> Iterator[Derived]:
-    """A face whose contact law is not Coulomb's: its load where the law has one, its springs at rest, its constants."""
-    yield f"Contact law, {name}", named.name, "-", "of all pairs of the face"
+def _law_of_face(name: str, named: NamedLaw, law: ContactLaw, n_pairs: int) -> Iterator[Derived]:
+    """A face of ``n_pairs`` whose contact law is not Coulomb's: its load where the law has one, its springs at rest,
+    its constants."""
+    of_pairs = "of all pairs of the face"
+    if law.n_pairs < n_pairs:
+        of_pairs = f"of {law.n_pairs} of {n_pairs} pairs; the others carry almost no load and have Coulomb friction"
+    yield f"Contact law, {name}", named.name, "-", of_pairs
     if NORMAL_LOAD in named.declaration.of_joint:
         yield f"Normal load, {name}", float(law.normal_load.sum()), "N", "sum over its pairs"
     springs = law.resting_springs().sum(axis=0)
@@ -133,7 +151,7 @@ def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
     rows: list[Derived] = []
     for face, name in enumerate(joint.face_names):
         here = joint.face_pairs.face == face
-        if (other := joint.law_of(face)) is not None:
+        if (other := joint.law_of(face)) is not None and not other[0].declaration.follows_load:
             rows += _resting_face(name, other[1], state, here)
             continue
         opened = int((state.state[here] == ContactState.SEPARATING).sum())
@@ -234,13 +252,12 @@ def sizes(case: Case, setup: Setup, structure: AnyStructure, joint: Joint) -> tu
     harmonics = case.solver.harmonics
     rows = 3 * pairs.area.size
     unknowns_of_balance = f"{rows} for each coefficient" if harmonics is None else f"up to {rows * (2 * harmonics + 1)}"
-    if isinstance(structure, Superelement):
-        unknowns = [("unknowns", f"{structure.size}")]
+    (boundary, modes), known = reduced_unknowns(case, structure, joint), study_structure(structure)
+    if known.mesh is None or known.free_unknowns is None:
+        unknowns = [("unknowns", f"{boundary}")]
     else:
-        boundary, modes = reduced_unknowns(case, structure, joint)
-        full = structure.model.remaining if isinstance(structure, SectorStructure) else structure.free_unknowns
         unknowns = [
-            ("unknowns of the full model", f"{full.size} free of {3 * structure.mesh.n_nodes}"),
+            ("unknowns of the full model", f"{known.free_unknowns.size} free of {3 * known.mesh.n_nodes}"),
             ("unknowns after reduction", f"{boundary + modes} ({boundary} of boundary nodes, {modes} modes)"),
         ]
     return (

@@ -87,7 +87,7 @@ class Drawing:
         return [save(figure, self.folder / f"rough_face.{ending}") for ending in self.case.output.figure_formats]
 
     def _make_folder(self) -> None:
-        """Make the folder, but not its parents: a user who removed them during the solution wants no figures."""
+        """Make the folder, but not its parents: a user who removed them during the solution needs no figures."""
         try:
             self.folder.mkdir(exist_ok=True)
         except OSError as error:
@@ -167,7 +167,7 @@ class NoFigures:
 
 
 def artist_of(drawing: Drawing) -> SecondProcess | NoFigures:
-    """What draws the figures of a case; a case without any starts no process."""
+    """The process that draws the figures of a case; a case without figures starts none."""
     return SecondProcess(drawing) if drawing.case.output.figure_formats else NoFigures()
 
 

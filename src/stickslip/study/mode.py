@@ -6,15 +6,13 @@ from stickslip.case.analysis import ModeAnalysis
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
 from stickslip.model.joint import Joint
-from stickslip.model.model import AnyStructure
-from stickslip.structure.superelement import Superelement
+from stickslip.model.layout import AnyStructure
+from stickslip.model.study_structure import study_structure
 
 
 def reduced_unknowns(case: Case, structure: AnyStructure, joint: Joint) -> tuple[int, int]:
     """Unknowns of boundary nodes, and modes with fixed boundary, of the reduced structure; matrices have no modes."""
-    if isinstance(structure, Superelement):
-        return structure.size, 0
-    return 3 * joint.layout.boundary_nodes.size, case.reduction.modes
+    return study_structure(structure).reduced_unknowns(joint.layout, case.reduction.modes)
 
 
 def require_mode(case: Case, structure: AnyStructure, joint: Joint) -> None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from stickslip.core.files import require_disk_space, require_folder
 from stickslip.model.kinds.mesh import PAIRS_FILE
 from stickslip.model.model import Model
-from stickslip.structure.superelement import Superelement
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -19,6 +18,8 @@ REPORT_FILE = "report.html"
 FIGURE_FOLDER = "figures"
 MODES_FILE = "mode_shapes.vtu"
 STRESS_FILE = "stress.vtu"
+CONTACT_FILE = "contact_at_peak.vtu"
+FRD_FILE = "peak.frd"
 PERIOD_FILE = "deflected_shape.pvd"
 PERIOD_FOLDER = "deflected_shape_frames"
 
@@ -26,6 +27,7 @@ PERIOD_FOLDER = "deflected_shape_frames"
 REPORT_BYTES = 11_000_000  # plotly.js and the data of the page
 FIGURES_BYTES = 1_500_000
 _BYTES_OF_NODE = 45  # in one field of a compressed file for ParaView
+_FRD_BYTES = 280  # of a node in one step of peak.frd: four lines with 50 or 86 letters
 _STRESS_FIELDS = 4  # scalar fields take a third of a vector field
 _POINTS = 200  # of a curve; the linear limits have about as many of two coefficients each
 _HARMONICS = 24  # with an accuracy: more than curves usually require
@@ -36,7 +38,7 @@ def require_places(out: Path) -> None:
     """Make the folder of a run. Raises OutputError if its files cannot be written or the disk is nearly full."""
     require_folder(
         out,
-        files=(RESULTS_FILE, REPORT_FILE, MODES_FILE, STRESS_FILE, PERIOD_FILE, PAIRS_FILE),
+        files=(RESULTS_FILE, REPORT_FILE, MODES_FILE, STRESS_FILE, CONTACT_FILE, FRD_FILE, PERIOD_FILE, PAIRS_FILE),
         folders=(FIGURE_FOLDER, PERIOD_FOLDER),
     )
     require_disk_space(out, REPORT_BYTES, REPORT_BYTES)
@@ -48,6 +50,8 @@ def require_space_for(case: Case, model: Model, out: Path) -> None:
     results = _BYTES * _POINTS * model.pairs.operator.shape[1] * coefficients
     fields = case.output.mode_shapes + case.output.deflected_shape_frames
     fields += _STRESS_FIELDS if case.output.stress else 0
-    nodes = 0 if isinstance(model.structure, Superelement) else model.structure.mesh.n_nodes
-    whole = results + REPORT_BYTES + FIGURES_BYTES + _BYTES_OF_NODE * fields * nodes
+    mesh = model.in_study.mesh
+    nodes = 0 if mesh is None else mesh.n_nodes
+    frd = _FRD_BYTES * nodes * (1 + coefficients // 2) if case.output.frd else 0
+    whole = frd + results + REPORT_BYTES + FIGURES_BYTES + _BYTES_OF_NODE * fields * nodes
     require_disk_space(out, whole, max(results, REPORT_BYTES))

@@ -11,11 +11,9 @@ from stickslip.case.consistency import RANGE_KEYS
 from stickslip.case.load import has_range
 from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.threads import thread_count
-from stickslip.core.validation import FloatArray
-from stickslip.model.model import Model, build_model, kind_of
+from stickslip.model.model import build_model, kind_of
 from stickslip.results.measures import hertz
-from stickslip.solve.slip_onset import NEARLY_ALL, SlipOnset, sector_slip_onset, slip_onset
-from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.solve.slip_onset import NEARLY_ALL, SlipOnset, slip_onset
 from stickslip.study.assembled import Assembled
 
 # chosen: the range goes on by this fraction of the frequency beyond both linear peaks.
@@ -94,7 +92,14 @@ def propose(case: Case, assembled: Assembled | None = None, threads: int | None 
     output = next(iter(model.outputs.values()))
     highest_hz = max(case.solver.frequency_start, case.solver.frequency_stop)
     try:
-        onset = _onset(case, model, output, highest_hz if has_range(case) else None)
+        onset = slip_onset(
+            model.substructure,
+            model.pairs,
+            model.excitation,
+            output,
+            modal_damping_ratio=case.damping.modal_damping_ratio,
+            highest_hz=highest_hz if has_range(case) else None,
+        )
     except StickslipError as error:
         return Proposal(None, str(error), None, None)
     peaks = [each.frequency_hz for each in (onset.stuck_peak, onset.free_peak) if each is not None]
@@ -103,14 +108,6 @@ def propose(case: Case, assembled: Assembled | None = None, threads: int | None 
         last = onset.nearly_all
         excitation = MANY_SLIP * onset.first if last is None else math.sqrt(onset.first * last[1])
     return Proposal(onset, onset.trouble, _range_around(peaks) if peaks else None, excitation)
-
-
-def _onset(case: Case, model: Model, output: FloatArray, highest_hz: float | None) -> SlipOnset:
-    """Linear peaks and the beginning of slip, of a structure or of a sector of a disk. Raises InputError."""
-    joint, ratio = (model.pairs, model.excitation, output), case.damping.modal_damping_ratio
-    if isinstance(model.substructure, CyclicSector):
-        return sector_slip_onset(model.substructure, *joint, modal_damping_ratio=ratio, highest_hz=highest_hz)
-    return slip_onset(model.superelement, *joint, modal_damping_ratio=ratio, highest_hz=highest_hz)
 
 
 def _range_around(peaks_hz: list[float]) -> tuple[float, float]:

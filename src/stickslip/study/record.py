@@ -7,22 +7,26 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 
+import numpy as np
+
 from stickslip.case.analysis import ForcedAnalysis
 from stickslip.case.case import Case
 from stickslip.case.reference import MODE_COUNT
 from stickslip.contact.law.law import ContactState
+from stickslip.contact.pairing.local_axes import mean_tangents
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.contact.pairing.rows import EFFECT_OF_FEW_ROWS, FEW_ROWS, faces_with_few_rows
 from stickslip.core.errors import ConvergenceError, StudyFileError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
-from stickslip.model.layout import Derived
-from stickslip.model.model import AnyStructure, ReducedModel, Substructure, kind_of
+from stickslip.model.layout import AnyStructure, Derived
+from stickslip.model.model import ReducedModel, kind_of
+from stickslip.model.study_structure import study_structure
+from stickslip.results.face_directions import FaceDirections
 from stickslip.results.record import ModeRow, StudyRecord, Value, model_frequency, reference_deviation
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
-from stickslip.structure.elasticity import Structure
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.substructure import Substructure
 from stickslip.study.analyses import solve
 from stickslip.study.facts import (
     compared_tractions,
@@ -34,6 +38,7 @@ from stickslip.study.facts import (
 
 # chosen, in percent: with a smaller deviation nobody doubts that model and reference have the same mode.
 SURE_DEVIATION = 1.0
+_ON_MAP = 1e-6  # of the size of a map: round-off of positions along its axes
 TIED, STUCK, CLOSED_AT_REST = "tied", "stuck", "(pairs closed at rest)"
 
 
@@ -61,12 +66,30 @@ def study_record(
         pair_face=pairs.face,
         pair_position=pairs.face_position[:, ::-1],  # along the damper first, then up the slope
         pair_area=pairs.area,
+        # those of matrices without positions are all zero
+        pair_point=pairs.points if pairs.points.any() else None,
+        face_directions=_face_directions(pairs, len(model.joint.face_names)),
         mode_table=mode_table,
         mode_contact=contact_model,
         mode_reference="" if case.reference is None else case.reference.source,
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *linear_natural_frequencies(response)),
         warnings=(*study_warnings(case, model.joint), *doubts, *_few_rows(model, response)),
     )
+
+
+def _face_directions(pairs: FacePairs, n_faces: int) -> FaceDirections:
+    """Position and mean sliding directions of each face; zero directions where its map is not along them: on a closed
+    face, and for matrices without node positions."""
+    middle, tangents = np.zeros((n_faces, 3)), np.zeros((2, n_faces, 3))
+    for face in range(n_faces):
+        here = pairs.face == face
+        middle[face] = pairs.points[here].mean(axis=0)
+        means = mean_tangents(pairs.tangent1[here], pairs.tangent2[here], pairs.area[here])
+        if means is not None:
+            away = pairs.points[here] @ means.T - pairs.face_position[here]
+            if np.ptp(away, axis=0).max() <= _ON_MAP * np.ptp(pairs.face_position[here], axis=0).max():
+                tangents[:, face] = means
+    return FaceDirections(middle, *tangents)
 
 
 def changed_inputs(record: StudyRecord) -> tuple[str, ...]:
@@ -113,7 +136,7 @@ def with_other_tractions(
 
 
 def compare_modes(
-    structure: AnyStructure, superelement: Substructure, pairs: FacePairs, springs: FloatArray | None = None
+    structure: AnyStructure, substructure: Substructure, pairs: FacePairs, springs: FloatArray | None = None
 ) -> tuple[ReductionRow, ...]:
     """Frequencies of the full and the reduced model, with the contact of :func:`contact_of_modes`.
 
@@ -121,10 +144,11 @@ def compare_modes(
     structure from matrices, a sector of a disk, and for pairs that are not tied without ``springs``.
     """
     is_tied = contact_of_modes(pairs, springs is None or bool(springs.all())) == TIED
-    if not isinstance(structure, Structure) or not (is_tied or springs is not None):
+    full = study_structure(structure).full_model
+    if full is None or not (is_tied or springs is not None):
         return ()
-    assert isinstance(superelement, Superelement)  # that of a structure
-    return reduction_table(structure, superelement, pairs, count=MODE_COUNT, springs=None if is_tied else springs)
+    superelement = substructure.require_structure()
+    return reduction_table(full, superelement, pairs, count=MODE_COUNT, springs=None if is_tied else springs)
 
 
 def contact_of_modes(pairs: FacePairs, all_closed: bool) -> str:

@@ -15,7 +15,7 @@ from stickslip.structure.superelement import moves_freely
 def displacement_at_rest(
     model: Model, structure: Structure, recovery: Recovery, load: FloatArray
 ) -> tuple[str, FloatArray]:
-    """How the state at rest is known ("solved", "prescribed" or "none"), and (3 * n_nodes, 1) m.
+    """The source of the state at rest ("solved", "prescribed" or "none"), and (3 * n_nodes, 1) m.
 
     ``load`` (3 * n_nodes,) N are the constant loads on the full mesh.
     """

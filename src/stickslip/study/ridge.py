@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from stickslip.case.case import Case, CyclicCase, parts_of_key
+from stickslip.case.case import Case, CyclicCase
 from stickslip.case.key_kinds import kind_of_key
 from stickslip.core.completeness import reported
 from stickslip.core.errors import InputError, concerning
@@ -48,7 +48,7 @@ class CaseFamily:
     @property
     def changes_structure(self) -> bool:
         """Whether each value requires its own structure."""
-        return parts_of_key(self.key)[0] not in JOINT_SECTIONS
+        return Case.parts_of_key(self.key)[0] not in JOINT_SECTIONS
 
     def at(self, value: float) -> Case:
         """The case with a value in SI units. Raises StudyFileError."""

@@ -21,14 +21,15 @@ from stickslip.results.measures import summary, summary_table
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
-from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
-from stickslip.structure.superelement import Superelement
+from stickslip.study.contact_file import write_contact
 from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
 from stickslip.study.performance_curve import with_performance_curve
 from stickslip.study.places import (
     CASES_FOLDER,
+    CONTACT_FILE,
     FIGURE_FOLDER,
+    FRD_FILE,
     MODES_FILE,
     PERIOD_FILE,
     REPORT_FILE,
@@ -107,6 +108,8 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
             *setup.write_places(out),
             *_shapes(out, case, model, solution.motion),
             *_stress(out, solution.stress),
+            *_contact(out, response, record),
+            *_frd(out, model, case, solution.stress),
         ]
         progress.update("Files", 0.7, FIGURE_FOLDER)
         files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
@@ -140,10 +143,10 @@ def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> I
     """
     from stickslip.structure.export import write_deflected_period, write_mode_shapes
 
-    if isinstance(model.structure, Superelement) or motion is None:
-        return  # matrices without a mesh
-    mesh, count = model.structure.mesh, case.output.mode_shapes
-    if count and isinstance(model.structure, Structure):
+    mesh, count = model.in_study.mesh, case.output.mode_shapes
+    if mesh is None or motion is None:
+        return  # matrices
+    if count and model.in_study.full_model is not None:
         springs = model.pairs.resting_stiffness()
         frequency_hz, modes = joined_modes(model.superelement, model.joint.face_pairs, count, springs)
         yield write_mode_shapes(out / MODES_FILE, mesh, modes, frequency_hz)
@@ -159,6 +162,20 @@ def _stress(out: Path, stress: StressAtPeak | None) -> Iterator[Path]:
     if stress is not None:
         nodal = stress.nodal
         yield write_nodal_fields(out / STRESS_FILE, stress.mesh, nodal.node, nodal.body, fields_of(stress))
+
+
+def _contact(out: Path, response: ForcedResponse, record: StudyRecord) -> Iterator[Path]:
+    """Contact pairs at the peak, for ParaView; none for matrices without positions."""
+    if record.pair_point is not None:
+        yield write_contact(out / CONTACT_FILE, response, record)
+
+
+def _frd(out: Path, model: Model, case: Case, stress: StressAtPeak | None) -> Iterator[Path]:
+    """Motion and stress at the peak, for CalculiX."""
+    from stickslip.study.frd_file import write_peak_frd
+
+    if case.output.frd and stress is not None:
+        yield write_peak_frd(out / FRD_FILE, stress, model.joint.layout.file_numbers)
 
 
 def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:

@@ -16,10 +16,8 @@ from stickslip.results.peaks import peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sketch import Motion, Sketch
 from stickslip.results.stress import SurfaceStress
-from stickslip.structure.elasticity import Structure
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.outer_surface import coarsened, outer_surface
-from stickslip.structure.superelement import Superelement
 from stickslip.study.disk import DiskOfStudy
 
 if TYPE_CHECKING:
@@ -46,7 +44,7 @@ def motion_at_peak(model: Model, response: ForcedResponse, disk: DiskOfStudy | N
 
     Of a ``disk`` it is that of its first sector.
     """
-    if isinstance(model.structure, Superelement):
+    if model.in_study.mesh is None:
         return None
     point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))), response.part)[0].point
     reduced = response.displacement[point]
@@ -65,13 +63,13 @@ def sketch_of(
 
     A ``disk`` is shown with all sectors, in which the motion of the first one arrives one after the other.
     """
-    kind, structure, layout = kind_of(case), model.structure, model.joint.layout
+    kind, structure, layout = kind_of(case), model.in_study.full_model, model.joint.layout
     if disk is not None:
         mesh, layout = disk.ring.mesh, disk.ring_layout(layout)
         motion = motion and replace(motion, displacement=disk.ring_motion(motion.displacement))
         nodes = disk.ring.number[:, np.unique(disk.structure.structure.fixed_unknowns // 3)].ravel()
         constrained = (3 * nodes[:, None] + np.arange(3)).ravel()
-    elif isinstance(structure, Structure):
+    elif structure is not None:
         mesh, constrained = structure.mesh, structure.fixed_unknowns
     else:
         return None

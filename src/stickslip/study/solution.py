@@ -17,7 +17,6 @@ from stickslip.model.layout import Setup
 from stickslip.model.model import Model, build_model
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import solve
 from stickslip.study.assembled import Assembled
 from stickslip.study.disk import DiskOfStudy
@@ -139,10 +138,8 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
     if stress is not None:
         record = replace(record, stress=stress_summary(case, model, response, stress))
         surface = partial(surface_stress, stress)
-    elif disk is not None and case.output.stress:
-        other = (*other, NO_SECTOR_STRESS)
-    elif isinstance(model.structure, Superelement) and case.output.stress:
-        other = (*other, NO_MESH)
+    elif case.output.stress:
+        other = (*other, NO_MESH if model.in_study.mesh is None else NO_SECTOR_STRESS)
     sketch = sketch_of(case, model, motion, surface, disk)
     frequencies = None if disk is None else disk.frequencies()
     record = replace(record, derived=(*record.derived, *other), sketch=sketch, disk=frequencies)

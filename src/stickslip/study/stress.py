@@ -30,6 +30,8 @@ class StressAtPeak:
 
     mesh:
         the mesh of the stress.
+    displacement:
+        (3 * n_nodes, 2H+1) m, coefficients mean, cos 1, sin 1, ...; the mean contains the state at rest.
     nodal:
         node and body of each row, and coefficients (p, 6, 2H+1) Pa, mean, cos 1, sin 1, ...; the mean contains the
         static stress.
@@ -48,6 +50,7 @@ class StressAtPeak:
     """
 
     mesh: Mesh
+    displacement: FloatArray
     nodal: NodalStress
     cycle: StressCycle
     region: IntArray
@@ -63,8 +66,8 @@ def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> Stress
 
     None for matrices without a mesh, a sector of a disk, and for a case with ``output.stress = false``.
     """
-    structure = model.structure
-    if not case.output.stress or not isinstance(structure, Structure):
+    structure = model.in_study.full_model
+    if not case.output.stress or structure is None:
         return None
     recovery = model.superelement.recovery
     if not isinstance(recovery, Recovery):
@@ -86,6 +89,7 @@ def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> Stress
     largest = float(cycle.alternating[chosen].max())
     return StressAtPeak(
         structure.mesh,
+        displacement,
         nodal,
         cycle,
         region,
@@ -145,9 +149,8 @@ class _FullLoads:
         return excitation.on(_FullUnknowns(self.size), harmonics).coefficients(omega).T
 
     def static(self) -> FloatArray:
-        """(size,) N of the constant forces and of rotation."""
-        body_load = self.layout.body_load
-        return make_static_load(self.case, self._rows(), np.zeros(self.size) if body_load is None else body_load)
+        """(size,) N of the constant forces and distributed loads."""
+        return make_static_load(self.case, self._rows(), self.layout.unit_loads)
 
     def _rows(self) -> dict[str, FloatArray]:
         """Name -> (3, size) rows of the mean displacement of a node group."""

@@ -27,7 +27,7 @@ def worn_faces(case: Case, joint: Joint) -> WornFaces | None:
     assert isinstance(analysis, WearAnalysis)
     if case.preload.method == "prescribed" and not (joint.preload > 0.0).any():
         raise InputError(
-            'kind is "wear", but no pair is closed at rest, so nothing holds the joint while it wears. Give a normal '
+            'kind is "wear", but no pair is closed at rest, so nothing presses the joint while it wears. Give a normal '
             "load.",
             ("analysis.kind",),
         )

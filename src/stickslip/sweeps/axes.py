@@ -18,7 +18,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.units import Count, Quantity, Respelled
 from stickslip.results.sweep_table import SweptKey, Value
 
-LARGEST_COUNT = 10_000
+LARGEST_COUNT = 10_000  # chosen: more values of one key are probably an error
 _RANGE = "A range is start:stop:count, evenly spaced with both ends, or start:stop:count:log, for example 50:1000:10."
 KeyKind = Quantity | Count | tuple[str, ...]  # the last one: the words of a choice
 Vary = Mapping[str, str | Sequence[Value]]

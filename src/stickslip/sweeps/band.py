@@ -29,7 +29,7 @@ from stickslip.sweeps.plan import LARGEST_SWEEP, PlannedCase, hash_of, plan_rows
 from stickslip.sweeps.run import SolvedCases, solve_planned
 
 TABLE_FILE, DATASET_FILE, PAGE_FILE = "band.csv", "band.nc", "band.html"
-DEFAULT_SAMPLES = 64
+DEFAULT_SAMPLES = 64  # chosen: a power of two, as Sobol points require
 SLOW_SWEEPS = ("upward_", "downward_")  # measures for which the stability of the points decides
 LEAST_SAMPLES = 8  # chosen: fewer have no percentiles
 _SEED = 20_251_001  # of the scrambling: a band with more samples contains those of one with fewer
@@ -43,7 +43,7 @@ class Band(BandStatistics):
         results file of each row, None for a sample without one.
     files:
         table as CSV, statistics as NetCDF, and the page.
-    found:
+    reused:
         number of samples that an earlier band had finished.
     notices:
         messages on files that could not be used.
@@ -51,7 +51,7 @@ class Band(BandStatistics):
 
     case_files: tuple[Path | None, ...]
     files: tuple[Path, ...]
-    found: int
+    reused: int
     notices: tuple[str, ...]
 
 
@@ -124,7 +124,7 @@ def band(
     files = () if run.folder is None else _written(run.folder.path, case, statistics)
     case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
     content = {field.name: getattr(statistics, field.name) for field in fields(statistics)}
-    return Band(**content, case_files=case_files, files=files, found=run.found, notices=tuple(run.notices))
+    return Band(**content, case_files=case_files, files=files, reused=run.reused, notices=tuple(run.notices))
 
 
 def _without_checks(planned: PlannedCase) -> PlannedCase:

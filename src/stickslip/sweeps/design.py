@@ -36,8 +36,8 @@ from stickslip.sweeps.run import SolvedCases, free_workers, local_executor
 
 TABLE_FILE, PAGE_FILE, OPTIMUM_FILE = "design.csv", "design.html", "optimum.toml"
 SAMPLES_PER_KEY = 8  # chosen: low-discrepancy samples of the box, times the number of keys
-DEFAULT_STARTS = 3
-MOST_SAMPLES, MOST_STARTS = 4096, 64
+DEFAULT_STARTS = 3  # chosen: the number that agrees shows whether the optimum is a local one
+MOST_SAMPLES, MOST_STARTS = 4096, 64  # chosen: each sample is a frequency curve of seconds
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,7 +48,7 @@ class Design(DesignResult):
         the study with the values of the optimum, None if no design satisfies the limits.
     files:
         table, page and study file of the optimum.
-    solved, found:
+    solved, reused:
         numbers of cases that were solved now, and by an earlier run.
     notices:
         messages on files that could not be used.
@@ -57,7 +57,7 @@ class Design(DesignResult):
     case: Case | None
     files: tuple[Path, ...]
     solved: int
-    found: int
+    reused: int
     notices: tuple[str, ...]
 
     @property
@@ -132,7 +132,7 @@ def design(
         raise ConvergenceError(
             f"none of {len(cases.evaluations)} designs has a result. The first: {cases.evaluations[0].failure}"
         )
-    found = DesignResult(
+    summary = DesignResult(
         space.keys,
         tuple(each.words for each in space.load_cases),
         requirements.measure,
@@ -143,10 +143,12 @@ def design(
         tuple(sharpness),
         (),
     )
-    content = {field.name: getattr(found, field.name) for field in fields(found)} | {"remarks": tuple(_remarks(found))}
-    optimum = None if found.optimum is None else space.case_at(found.optimum.values, space.load_cases[0])
+    content = {field.name: getattr(summary, field.name) for field in fields(summary)} | {
+        "remarks": tuple(_remarks(summary))
+    }
+    optimum = None if summary.optimum is None else space.case_at(summary.optimum.values, space.load_cases[0])
     result = Design(
-        **content, case=optimum, files=(), solved=cases.solved, found=cases.found, notices=tuple(cases.notices)
+        **content, case=optimum, files=(), solved=cases.solved, reused=cases.reused, notices=tuple(cases.notices)
     )
     return result if folder is None else _written(folder.path, case, result)
 

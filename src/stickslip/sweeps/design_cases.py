@@ -27,7 +27,7 @@ AT_AN_END = (
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """A design that an optimiser asks for; ``stage`` as in :class:`Evaluation`."""
+    """A design that an optimiser requests; ``stage`` as in :class:`Evaluation`."""
 
     coordinates: FloatArray
     stage: str
@@ -36,7 +36,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Requirements:
-    """What is minimised, and the limits."""
+    """The measure to minimise, and the limits."""
 
     measure: BandMeasure
     limits: tuple[Limit, ...]
@@ -73,7 +73,7 @@ class Requirements:
 class DesignCases:
     """Evaluates designs; ``evaluations`` are all of them, in the order of the requests.
 
-    ``solved`` and ``found`` count the cases that were solved now and those of an earlier run, ``notices`` are messages
+    ``solved`` and ``reused`` count the cases that were solved now and those of an earlier run, ``notices`` are messages
     on files that could not be used.
     """
 
@@ -91,7 +91,7 @@ class DesignCases:
         self._folder, self._executor, self._at_a_time = folder, executor, at_a_time
         self._threads, self._progress = threads, progress
         self.evaluations: list[Evaluation] = []
-        self.solved = self.found = 0
+        self.solved = self.reused = 0
         self.notices: list[str] = []
         self._numbers: dict[tuple[tuple[float, ...], bool], int] = {}
 
@@ -146,7 +146,7 @@ class DesignCases:
         run = SolvedCases(tuple(different.values()), self._folder, SilentProgress())
         run.find_finished()
         self.notices += run.notices
-        self.found += run.found
+        self.reused += run.reused
         left = [each for each in different.values() if each.key not in run.outcomes]
         stage = new[0][0].stage if new else ""
         self._report(stage, len(left))

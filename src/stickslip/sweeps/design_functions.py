@@ -52,8 +52,8 @@ class DesignFunctions:
         columns = [self._exact_column(evaluation, place) for place in range(size)]
         missing = [place for place in range(size) if np.isnan(columns[place]).any()]
         if missing:
-            found = self._differences(evaluation, missing)
-            for place, column in zip(missing, found, strict=True):
+            differences = self._differences(evaluation, missing)
+            for place, column in zip(missing, differences, strict=True):
                 columns[place] = np.where(np.isnan(columns[place]), column, columns[place])
             self._cases.used_differences(evaluation, self._words(missing))
         table = np.column_stack(columns)
@@ -134,8 +134,8 @@ class DesignFunctions:
                 min(neighbour.peaks, key=lambda each: abs(each.frequency_hz - peak.frequency_hz)) for peak in case.peaks
             )
             matched.append(DesignCase("", "", "", peaks, neighbour.stresses))
-        found = self._functions(Evaluation(0, "", other.coordinates, other.values, tuple(matched), 0.0, (), 0.0))
-        return np.concatenate([found.functions, found.constraints])
+        values = self._functions(Evaluation(0, "", other.coordinates, other.values, tuple(matched), 0.0, (), 0.0))
+        return np.concatenate([values.functions, values.constraints])
 
 
 def _is_far(limit: Limit, evaluation: Evaluation) -> bool:

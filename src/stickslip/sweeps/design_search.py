@@ -26,7 +26,7 @@ from stickslip.sweeps.minimax import Descent, descend, in_step
 FIRST_DISTANCE = 1.0 / 64.0  # chosen: of the range of a key; each further one is twice as far
 STARTS_APART = 0.1  # chosen: of the diagonal of the box
 LOWER_BY = 1e-3  # a design beside the optimum that is lower by this fraction starts another descent
-MOST_ROUNDS = 3
+MOST_ROUNDS = 3  # chosen: descents from a better design beside the optimum
 
 
 def search(cases: DesignCases, samples: int, starts: int) -> tuple[list[StartResult], list[Sharpness]]:
@@ -35,8 +35,8 @@ def search(cases: DesignCases, samples: int, starts: int) -> tuple[list[StartRes
     points = list(space.samples(samples))
     if space.start is not None:
         points.insert(0, space.start)
-    found = cases.evaluate([Request(point, "sample") for point in points])
-    descents = _descents(cases, _chosen_starts(found, starts))
+    evaluations = cases.evaluate([Request(point, "sample") for point in points])
+    descents = _descents(cases, _chosen_starts(evaluations, starts))
     sharpness: list[Sharpness] = []
     for _ in range(MOST_ROUNDS):
         best = _best(cases.evaluations)
@@ -63,10 +63,10 @@ def best_place(evaluations: Sequence[Evaluation]) -> int | None:
     return None if best is None else best.number - 1
 
 
-def _chosen_starts(found: Sequence[Evaluation], count: int) -> list[Evaluation]:
+def _chosen_starts(evaluations: Sequence[Evaluation], count: int) -> list[Evaluation]:
     """The best samples that are apart from each other."""
     chosen: list[Evaluation] = []
-    for each in sorted((one for one in found if not one.failure), key=lambda one: one.rank):
+    for each in sorted((one for one in evaluations if not one.failure), key=lambda one: one.rank):
         at = np.array(each.coordinates)
         apart = STARTS_APART * np.sqrt(at.size)
         if len(chosen) < count and all(np.linalg.norm(at - other.coordinates) >= apart for other in chosen):
@@ -113,8 +113,8 @@ def _neighbourhood(cases: DesignCases, best: Evaluation) -> list[Sharpness]:
     sides = {(place, sign): _Side(best, place, sign) for place in range(len(cases.space.keys)) for sign in (-1.0, 1.0)}
     while open_sides := [side for side in sides.values() if side.next_point() is not None]:
         points = [side.next_point() for side in open_sides]
-        found = cases.evaluate([Request(point, "sharpness") for point in points if point is not None])
-        for side, evaluation in zip(open_sides, found, strict=True):
+        evaluations = cases.evaluate([Request(point, "sharpness") for point in points if point is not None])
+        for side, evaluation in zip(open_sides, evaluations, strict=True):
             side.rows.append(evaluation)
     return [_sharpness(cases, best, sides[place, -1.0], sides[place, 1.0]) for place in range(len(cases.space.keys))]
 

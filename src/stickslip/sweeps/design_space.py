@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.stats
 
-from stickslip.case.case import Case, parts_of_key
+from stickslip.case.case import Case
 from stickslip.case.continuous_keys import PHYSICAL
 from stickslip.case.key_kinds import kind_of_key
 from stickslip.core.errors import InputError, StickslipError, StudyFileError, concerning
@@ -24,7 +24,7 @@ from stickslip.sweeps.plan import case_hashes, require_one_curve
 
 Range = str | tuple[float | str, float | str]
 MOST_KEYS = 8  # chosen: the number of samples that fill a box grows with a power of the number of keys
-MOST_LOAD_CASES = 64
+MOST_LOAD_CASES = 64  # chosen: each evaluation of a design solves all of them
 CHECKED_SAMPLES = 32  # chosen: designs inside the box that are checked before the first solution, beside its corners
 _SEED = 20_251_002  # of the scrambling: the same command evaluates the same designs
 
@@ -123,7 +123,7 @@ class DesignSpace:
 def _design_key(case: Case, name: str, limits: Range) -> DesignKey:
     """A key with its range. Raises InputError."""
     kind = kind_of_key(name, case)
-    section = parts_of_key(name)[0]
+    section = Case.parts_of_key(name)[0]
     if not isinstance(kind, Quantity):
         raise InputError(
             f"{name} is not a quantity; a design requires keys that change continuously.", arguments=[name]
@@ -152,7 +152,7 @@ def _design_key(case: Case, name: str, limits: Range) -> DesignKey:
 
 def _own_value(case: Case, name: str) -> float:
     """The value of a key in the study. Raises InputError if it has none."""
-    section, entry, table, key = parts_of_key(name)
+    section, entry, table, key = Case.parts_of_key(name)
     holder = case.sections.get(section)
     if isinstance(holder, Mapping):
         holder = holder.get(entry)

@@ -12,9 +12,10 @@ from threadpoolctl import threadpool_limits
 from stickslip.case.case import Case
 from stickslip.case.continuous_keys import continuous_keys
 from stickslip.core.errors import ConvergenceError, StickslipError
-from stickslip.model.layout import Setup
-from stickslip.model.model import AnyStructure, Model, ReducedStructure, connect, load_joint, reduce_structure, set_up
+from stickslip.model.layout import AnyStructure, Setup
+from stickslip.model.model import Model, connect, kind_of, load_joint, reduce_structure, set_up
 from stickslip.model.parameters import case_parameters
+from stickslip.model.study_structure import ReducedStructure
 from stickslip.results.design import ALTERNATING_STRESS, STRESS, STRESSES
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
@@ -85,7 +86,8 @@ def _solved(task: DesignTask) -> CaseOutcome:
 
 def _model(case: Case, threads: int) -> Model:
     """The model; structure and reduction of the last cases of this process are used again."""
-    key = case_hashes(case)[1]
+    # A structure at a speed has the stress and the gradients of this speed, also where a reduction is valid for others.
+    key = f"{case_hashes(case)[1]} {kind_of(case).rotation_speed(case)}"
     if key not in _structures:
         setup = set_up(case)
         structure = setup.assemble()

@@ -19,7 +19,7 @@ import scipy.optimize
 from stickslip.core.validation import FloatArray
 
 TOLERANCE = 3e-5  # of the logarithms that a design minimises: 0.003 %
-MOST_ITERATIONS = 40
+MOST_ITERATIONS = 40  # chosen: of one descent; each is a frequency curve with its gradients
 # A descent whose line search fails, at a corner or a jump, begins again from its best point, as often as it improves by
 # WORTHWHILE, at most so often.
 MOST_RESTARTS, WORTHWHILE = 3, 1e-3
@@ -80,7 +80,7 @@ class _Path:
     def minimise(self) -> str:
         """One run of the optimiser from the best point; "" if it converged, else the reason of its end."""
         size, top = self.best.size, self._values(self.best).functions.max()
-        found = scipy.optimize.minimize(
+        solution = scipy.optimize.minimize(
             lambda y: y[-1],
             np.append(self.best, top),
             jac=lambda y: np.append(np.zeros(size), 1.0),
@@ -89,7 +89,7 @@ class _Path:
             constraints={"type": "ineq", "fun": self._constraints, "jac": self._jacobian},
             options={"ftol": TOLERANCE, "maxiter": MOST_ITERATIONS},
         )
-        return "" if found.success else str(found.message).rstrip(".")
+        return "" if solution.success else str(solution.message).rstrip(".")
 
     def _constraints(self, unknowns: FloatArray) -> FloatArray:
         at = self._values(_inside(unknowns))
@@ -104,13 +104,13 @@ class _Path:
 
     def _values(self, point: FloatArray) -> Functions:
         """Values at a point; far worse ones than the last where there are none, so that a step is shortened."""
-        found = self._ask(point)
-        if found is None:
+        answer = self._ask(point)
+        if answer is None:
             return Functions(self._good.functions + _PENALTY, self._good.constraints)
-        self._good = found
-        if found.merit < self.best_merit:
-            self.best, self.best_merit = point, found.merit
-        return found
+        self._good = answer
+        if answer.merit < self.best_merit:
+            self.best, self.best_merit = point, answer.merit
+        return answer
 
 
 def _inside(unknowns: FloatArray) -> FloatArray:

@@ -35,6 +35,7 @@ _LAYOUT_KEYS = {
     "responses": _PLACE_KEYS,
     "static_loads": _PLACE_KEYS,
     "unbalance": _PLACE_KEYS,
+    "pressures": _PLACE_KEYS,
 }  # fmt: skip
 
 
@@ -132,13 +133,13 @@ def require_one_curve(case: Case, of: str) -> None:
         )
     if isinstance(case.analysis, RidgeAnalysis):
         raise InputError(
-            f'kind is "ridge", but the table of a {of} contains no ridges, and each takes the time of several curves. '
-            f'Set kind = "forced" for the {of}, and follow the peaks of single cases with stickslip run.',
+            f'kind is "ridge", but the table of a {of} contains no ridges, and each requires the time of several '
+            f'curves. Set kind = "forced" for the {of}, and follow the peaks of single cases with stickslip run.',
             ("analysis.kind",),
         )
     if isinstance(case.analysis, WearAnalysis):
         raise InputError(
-            f'kind is "wear", but the table of a {of} contains no wear, and it takes the time of many curves. '
+            f'kind is "wear", but the table of a {of} contains no wear, and it requires the time of many curves. '
             f'Set kind = "forced" for the {of}, and compute the wear of single cases with stickslip run.',
             ("analysis.kind",),
         )
@@ -162,7 +163,11 @@ def case_hashes(case: Case) -> tuple[str, str]:
         }
     structure["preload"] = {"method": case.preload.method}  # a solved one has node groups for its load
     structure["excited_at"] = {"base": "base_motion" in inputs}  # its influence needs the mass of the whole mesh
-    structure["axis"] = {key: value for key, value in inputs.get("rotation", {}).items() if key != "speed"}
+    structure["weighs"] = {"given": "gravity" in inputs}
+    rotation = dict(inputs.get("rotation", {}))
+    if rotation.get("top_speed"):  # one reduction for all speeds; else the stiffness is that at the speed
+        del rotation["speed"]
+    structure["rotation"] = rotation
     files = {name: _content(file) for name, file in case.input_files.items()}
     if files:
         answer["files"], structure["files"] = files, files

@@ -1,6 +1,6 @@
 """Executors of a sweep: this process, or processes on this machine that end with it and do not affect each other.
 
-The pool of the standard library gives up all tasks when one process dies, and waits for ever if that process was
+The pool of the standard library abandons all tasks when one process dies, and waits for ever if that process was
 sending its answer (Python 3.11). Here every process has its own pipe and thread, so that a death affects one task only.
 """
 
@@ -40,7 +40,7 @@ class SizedExecutor(Executor, ABC):
         return ""
 
     def meaning(self, error: BaseException) -> BaseException:
-        """What an exception of a task means: WorkerDied, BrokenExecutor or WorkersError, else the exception itself."""
+        """The meaning of an exception of a task: WorkerDied, BrokenExecutor or WorkersError, else itself."""
         return error
 
     def last_report(self) -> str:

@@ -1,4 +1,4 @@
-"""What a sweep stores of itself beside its table: study, keys and cases, so that it can be extended and shown again.
+"""The data that a sweep stores beside its table: study, keys and cases, so that it can be extended and shown again.
 
 ``DIR/sweep.json`` is written with the table and sealed. A sweep into a folder with this file adds its cases to those of
 the table (:func:`extended`); ``stickslip report`` reads keys and cases from it (``sweeps/again.py``).
@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip.case.case import Case, parts_of_key
+from stickslip.case.case import Case
 from stickslip.case.key_kinds import UNSWEPT_SECTIONS, kind_of_key
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.results.sweep_table import SweptKey, Value
@@ -103,7 +103,7 @@ def _values(
 
 def _value_of_study(name: str, inputs: Mapping[str, Any], case: Case) -> Value:
     value: Any = inputs
-    for part in filter(None, parts_of_key(name)):
+    for part in filter(None, Case.parts_of_key(name)):
         value = value.get(part) if isinstance(value, Mapping) else None
     if value is None:
         raise InputError(

@@ -52,7 +52,7 @@ class Sweep:
         results file of each row, None for a case without one.
     files:
         table as CSV and NetCDF, and the page.
-    found:
+    reused:
         number of cases that an earlier sweep had finished.
     notices:
         messages on files that could not be used.
@@ -64,7 +64,7 @@ class Sweep:
     curves: tuple[SweepCurve | None, ...]
     case_files: tuple[Path | None, ...]
     files: tuple[Path, ...]
-    found: int
+    reused: int
     notices: tuple[str, ...]
     remarks: tuple[str, ...]
 
@@ -119,7 +119,7 @@ def sweep(
     view = SweepView(table, curves, forces)
     written = () if run.folder is None else _written(run.folder, case, view, planned)
     case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
-    return Sweep(table, curves, case_files, written, run.found, tuple(run.notices), differing_limits(view))
+    return Sweep(table, curves, case_files, written, run.reused, tuple(run.notices), differing_limits(view))
 
 
 def solve_planned(
@@ -189,7 +189,7 @@ class SolvedCases:
         self.planned, self.folder, self._progress = planned, folder, progress
         self.outcomes: dict[str, CaseOutcome] = {}
         self.notices: list[str] = []
-        self.found = 0
+        self.reused = 0
         self._filed: set[str] = set()
         self._to_solve = self._solved = self._failed = 0
 
@@ -206,8 +206,8 @@ class SolvedCases:
                 self.outcomes[planned.key] = outcome
                 if outcome.curve is not None:
                     self._filed.add(planned.key)
-        self.found = len(self.outcomes)
-        self._progress.update("Completed cases", 1.0, f"{self.found} of {len(self.planned)}")
+        self.reused = len(self.outcomes)
+        self._progress.update("Completed cases", 1.0, f"{self.reused} of {len(self.planned)}")
 
     def check_joints(self, threads: int) -> list[StructureGroup]:
         """Mesh, pairs and joint of every remaining case; a case with an unusable joint has its message as outcome.
@@ -231,7 +231,7 @@ class SolvedCases:
                 planned.case, planned.key, joint, threads, wants_file, checks=planned.checks, name=planned.name
             )
             group.cases.append((planned, task))
-        if first_error is not None and len(self.planned) == len(self.outcomes) and not self.found:
+        if first_error is not None and len(self.planned) == len(self.outcomes) and not self.reused:
             raise _none_solvable(first_error, len(left))
         if left:
             self._progress.update("Checks", 1.0, f"{len(left)} cases")
@@ -292,7 +292,7 @@ class SolvedCases:
             Schedule(executor, at_a_time, self._finish, self._break, solve, waiting=self._show).run(groups, single)
         except WorkersError as error:
             closing = " and stored; the same command resumes with the others" if self.folder is not None else ""
-            count, total = self.found + self._solved - self._failed, len(self.planned)
+            count, total = self.reused + self._solved - self._failed, len(self.planned)
             raise WorkersError(f"{error} {count} of {total} cases are completed{closing}.") from error
 
     def _finish(self, planned: PlannedCase, outcome: CaseOutcome) -> None:

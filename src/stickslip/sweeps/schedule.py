@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.core.errors import StickslipError, WorkersError
 from stickslip.model.layout import Setup
-from stickslip.model.model import ReducedStructure
+from stickslip.model.study_structure import ReducedStructure
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.pool import InProcess, SizedExecutor, WorkerDied
 from stickslip.sweeps.work import CaseOutcome, CaseTask, open_parcel, parcel, reduce_task, solve_task

@@ -23,7 +23,8 @@ from stickslip.core.errors import StickslipError, WorkersError
 from stickslip.core.files import source_digest
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Setup
-from stickslip.model.model import ReducedStructure, connect, reduce_structure
+from stickslip.model.model import connect, reduce_structure
+from stickslip.model.study_structure import ReducedStructure
 from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
 from stickslip.study.analyses import solve
@@ -117,7 +118,9 @@ def reduce_task(case: Case, setup: Setup, threads: int) -> ReducedStructure:
     with threadpool_limits(limits=threads):
         structure = setup.assemble()
         reduced = reduce_structure(case, structure, setup.layout)
-        table = compare_modes(structure, reduced.substructure, setup.layout.face_pairs)
+        # The cases of one reduction for several speeds have no common table.
+        shared = reduced.speeds is None
+        table = compare_modes(structure, reduced.substructure, setup.layout.face_pairs) if shared else ()
     return replace(reduced.without_recovery(), mode_table=table)
 
 

@@ -40,6 +40,8 @@ def test_a_jenkins_element_that_keeps_a_traction_has_that_much_less_to_go() -> N
     assert not law.undetermined().any()
     with rejects(ss.InputError, "residual_traction"):
         jenkins(1e6, 4.0, kept=[[5.0, 0.0]])
+    with rejects(ss.InputError, "residual_traction"):
+        jenkins(1e6, 4.0, kept=[[1.0]])
 
 
 def test_an_element_that_shakes_down_to_its_limit_is_stuck() -> None:

@@ -25,3 +25,9 @@ def test_scattered_pairs_have_no_rows() -> None:
     position = np.random.default_rng(5).random((40, 2))
     assert rows_of_pairs(np.zeros(40, dtype=int), position) == []
     assert faces_with_few_rows(np.zeros(40, dtype=int), position) == {}
+
+
+def test_a_line_counts_its_pairs_and_not_its_one_row() -> None:
+    for count, few in ((FEW_ROWS, {}), (FEW_ROWS - 1, {0: FEW_ROWS - 1})):
+        position = np.column_stack([np.zeros(count), np.linspace(0.0, 0.028, count)])
+        assert faces_with_few_rows(np.zeros(count, dtype=int), position) == few

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from math import erf, exp, inf, log, pi, sqrt
 from pathlib import Path
 
@@ -16,9 +17,11 @@ from scipy.integrate import quad
 
 from sentences import printed_sentence
 from stickslip.contact.stiffness.asperities import Roughness
-from stickslip.contact.stiffness.face_stiffness import persson_law
+from stickslip.contact.stiffness.believable import BAND
+from stickslip.contact.stiffness.face_stiffness import contact_stiffness, persson_law
 from stickslip.contact.stiffness.height_spectrum import HeightSpectrum
 from stickslip.contact.stiffness.persson import ENERGY_REDUCTION, PerssonStiffness, _summit_punch
+from stickslip.contact.stiffness.surface import fractal_roughness_from_sq
 
 E_STAR, AREA = 108e9, 1e-4
 TRUTH = Path(__file__).parents[3] / "benchmarks" / "data" / "contact_truth.csv"
@@ -197,3 +200,19 @@ def test_boundary_elements_have_the_tangential_ratio_of_mindlin() -> None:
     normal = np.array([[row["normal"]] for row in truth("test")])
     assert (found / normal).mean() == pytest.approx(1.4 / 1.7, rel=0.01)
     assert found / normal == pytest.approx(np.broadcast_to(1.4 / 1.7, found.shape), rel=0.06)
+
+
+@pytest.mark.parametrize(
+    ("mean_height", "measured", "found"), [(1.6e-6, 8.8e12, (0.68, 0.94)), (5.8e-6, 3.5e12, (0.55, 0.89))]
+)
+def test_measured_stiffness_of_faces(mean_height: float, measured: float, found: tuple[float, float]) -> None:
+    """docs/validation.md: nothing is fitted; D, longest wave and area of the faces are unknown, so they are a range."""
+    ratios = []
+    for dimension, longest, area in product((2.1, 2.2, 2.4), (0.8e-3, 2.5e-3, 8e-3), (1e-4, 1e-3)):
+        height = sqrt(0.5 * pi) * mean_height  # Sq of normally distributed heights
+        scale = fractal_roughness_from_sq(height, dimension, longest, 1e-6)
+        face = Roughness(dimension, scale, 3e9, 108.24e9, 0.3, sample_length=longest, shortest_length=1e-6)
+        ratios.append(contact_stiffness(face, load=6.3e6 * area, area=area).normal / area / measured)
+    assert (round(min(ratios), 2), round(max(ratios), 2)) == found
+    # The believable band of 1/3 to 3 contains the measured values.
+    assert all(1.0 / BAND < ratio < BAND for ratio in ratios)

@@ -66,8 +66,8 @@ def test_grdset_gives_blank_fields_only(tmp_path):
     np.testing.assert_allclose(actual[1], [-3.0, -88.0, 13.0], atol=1e-13)
     np.testing.assert_allclose(actual[2], [-1.0, 2.0, 8.0], atol=1e-14)
     np.testing.assert_allclose(actual[3], [2.0, 90.0, 5.0])
-    held = [(entry.nodes.tolist(), entry.directions) for entry in read_raw(tmp_path / "deck.bdf").held]
-    assert held == [([1], (2,)), ([2], (2,)), ([4], (0, 1))]
+    constraints = [(entry.nodes.tolist(), entry.directions) for entry in read_raw(tmp_path / "deck.bdf").constraints]
+    assert constraints == [([1], (2,)), ([2], (2,)), ([4], (0, 1))]
 
 
 @pytest.mark.slow

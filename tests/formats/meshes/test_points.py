@@ -16,7 +16,6 @@ from stickslip.formats.meshes.read import read_model
 from stickslip.model.kinds.cyclic import _require_no_equations
 from stickslip.model.kinds.mesh import MeshSetup
 from stickslip.model.model import set_up
-from stickslip.structure.attachments import attach
 from stickslip.structure.body_load import centrifugal_load, translation_inertia
 from stickslip.structure.elasticity import assemble_bodies, natural_frequencies
 from tied_decks import frequencies_of_calculix, two_blocks, write_deck
@@ -45,9 +44,7 @@ SPRINGS = """*ELEMENT, TYPE=SPRING1, ELSET=ground
 
 
 def frequencies(model: ImportedModel, count: int = 10) -> np.ndarray:
-    materials = [model.materials[name] for name in model.mesh.body_names]
-    solids = assemble_bodies(model.mesh, materials, fixed_unknowns=model.fixed_unknowns)
-    structure = attach(solids, model.attachments)
+    structure = model.assemble()
     return natural_frequencies(structure.stiffness, structure.mass, count)[0]
 
 
@@ -133,7 +130,7 @@ def test_mass_points_of_a_study(tmp_path: Path) -> None:
     plain, heavy = setups
     assert isinstance(plain, MeshSetup)
     assert isinstance(heavy, MeshSetup)
-    added = (heavy.assemble().mass - plain.assemble().mass).tocoo()
+    added = (heavy.at_rest().mass - plain.at_rest().mass).tocoo()
     entries = np.abs(added.data) > 1e-9
     np.testing.assert_array_equal(added.row[entries], added.col[entries])
     np.testing.assert_allclose(added.data[entries], [3e-3] * 3, rtol=1e-6)

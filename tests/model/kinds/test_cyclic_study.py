@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from stickslip.reporting.page import page
 from stickslip.results.measures import summary
 from stickslip.results.storage import load_results, save_results
 from stickslip.results.tables import study_tables
+from stickslip.solve.slip_onset import slip_onset
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.elasticity import Material, assemble
 from stickslip.structure.joined import joined_modes
@@ -142,6 +144,9 @@ def test_the_page_of_a_disk(tmp_path: Path) -> None:
     assert set(drawn) == {"nodal_diameters", "disk"}
     text = str(page(solution.response, record))
     assert "Every sector has the same amplitude" in text
+    assert "those of the disk at rest" in text
+    turning = replace(record, inputs=changed(rotation={"speed": "3000 rpm"}).to_text())
+    assert "those at 3000 rpm" in str(page(solution.response, turning))
     assert "Nodal diameter of 20 sectors" in text
     assert summary(solution.response, solution.model.outputs["tip"]).peak.amplitude < 1e-3
 
@@ -174,6 +179,21 @@ def test_the_proposal_of_a_disk() -> None:
     assert 550.0 < proposal.onset.stuck_peak.frequency_hz < 620.0
     assert proposal.onset.first is not None
     assert proposal.frequency_hz is not None
+
+
+@pytest.mark.slow
+def test_without_a_range_the_dampers_that_move_freely_do_not_end_the_damping() -> None:
+    """The first modes of the disk without contact are those of its wedges, at 0 Hz."""
+    case = changed()
+    model = build_model(case)
+    joint = model.pairs, model.excitation, model.outputs["tip"]
+    without, within = (
+        slip_onset(model.substructure, *joint, modal_damping_ratio=0.001, highest_hz=each) for each in (None, 700.0)
+    )
+    assert without.stuck_peak is not None
+    assert within.stuck_peak is not None
+    assert without.stuck_peak.amplitude == pytest.approx(within.stuck_peak.amplitude, rel=1e-3)
+    assert without.first == pytest.approx(within.first, rel=1e-3)
 
 
 REJECTED: list[tuple[str, dict[str, Any]]] = [

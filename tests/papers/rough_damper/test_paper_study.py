@@ -124,7 +124,7 @@ def test_a_stopped_study_continues_and_damage_is_computed_again(
     monkeypatch.setattr(computing, "solve_setting", counted)
     monkeypatch.setattr(study, "_written", lambda folder, scope, computed, reported: computed)
     again = paper_study(folder, workers=1, scope=coarse_scope())
-    assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 3, 3, outcome.curves)  # type: ignore[attr-defined]
+    assert (again.reused, len(solved), len(again.solved)) == (outcome.curves - 3, 3, outcome.curves)  # type: ignore[attr-defined]
     # the file that was missing needs no sentence
     for notice, file in zip(sorted(again.notices), files[1:3], strict=True):
         printed_sentence(notice, str(file))

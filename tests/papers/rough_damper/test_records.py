@@ -13,7 +13,7 @@ from sentences import rejects
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.plain_data import same_content
 from stickslip.papers.rough_damper import records
-from stickslip.papers.rough_damper.records import READINGS, Solved, phase_states, rigid_fractions
+from stickslip.papers.rough_damper.records import Solved, phase_states, rigid_fractions
 
 POINTS = np.random.default_rng(3).normal(size=(20, 3)) * 1e-2
 
@@ -42,7 +42,7 @@ def test_readings_of_sweeps_are_read_back_and_stand_for_the_curve_where_they_dif
     one = replace(curve({"dimension": 2.45}), swept={"up": up})
     again = Solved.from_bytes(one.to_bytes("key"), "key")
     assert same_content(again, one)
-    (whole, upward, downward) = (again.seen_by(reading) for reading in READINGS)
+    (whole, upward, downward) = (again.seen_by(reading) for reading in ("curve", "up", "down"))
     assert whole is again
     assert downward is again
     assert upward is not None

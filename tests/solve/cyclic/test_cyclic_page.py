@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 
-PAGE = Path(__file__).parents[3] / "docs" / "theory_cyclic.md"
+from page_examples import names_of_page
 
 
 @pytest.mark.slow
 def test_the_example_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
-    script = "\n".join(re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL))
-    names: dict[str, Any] = {}
-    exec(compile(script, PAGE.name, "exec", dont_inherit=True), names)
-    promised = re.findall(r"^print\(.*\)  # (.+)$", script, flags=re.MULTILINE)
-    assert capsys.readouterr().out.splitlines() == promised
+    names = names_of_page("theory_cyclic.md", capsys)
     response, tip = names["response"], names["tip"]
     assert response.converged
     assert not response.warnings

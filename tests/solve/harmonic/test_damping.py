@@ -1,4 +1,4 @@
-"""Modal and Rayleigh damping matrices, and the modal basis."""
+"""Modal damping matrices, and the modal basis."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from stickslip.solve.harmonic.damping import (
     modal_basis,
     modal_damping,
     modal_damping_matrix,
-    rayleigh_damping_matrix,
     stuck_stiffness_matrix,
 )
 
@@ -37,12 +36,6 @@ def test_modes_far_above_the_excitation_are_not_damped(blade: Blade) -> None:
     assert modal_damping(frequency, 0.01, 100.0) == pytest.approx([2.0, 39.98, 0.0])
 
 
-def test_rayleigh_leaves_the_joint_out(blade: Blade) -> None:
-    """The dashpots of beta K act within the structure; contact springs have none."""
-    damping = rayleigh_damping_matrix(blade.superelement, 3.0, 1e-7)
-    assert np.allclose(damping, 3.0 * blade.superelement.mass + 1e-7 * blade.superelement.stiffness)
-
-
 def test_stiffness_proportional_to_the_stuck_matrix_is_diagonal_and_a_dashpot_is_not(blade: Blade) -> None:
     stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs)
     frequency, modes = modal_basis(blade.superelement.mass, stiffness)
@@ -52,11 +45,6 @@ def test_stiffness_proportional_to_the_stuck_matrix_is_diagonal_and_a_dashpot_is
     assert np.allclose(diagonal, 3.0 + 1e-7 * frequency**2, rtol=1e-8)
     rayleigh[3, 3] += 1.0
     assert diagonal_modal_damping(rayleigh, modes) is None
-
-
-def test_negative_rayleigh_factor_is_rejected(blade: Blade) -> None:
-    with rejects(InputError, "mass_factor", "stiffness_factor"):
-        rayleigh_damping_matrix(blade.superelement, -1.0, 0.0)
 
 
 def test_indefinite_matrices_are_rejected() -> None:

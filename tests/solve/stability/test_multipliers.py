@@ -228,7 +228,8 @@ def test_a_slider_that_touches_its_limit_does_not_follow_a_motion_that_rotates()
         problem.superelement(), problem.pairs(), problem.force_cos, problem.force_sin,
         float(response.frequency_hz[point]), steps_per_period=240, max_periods=100, tolerance=1e-12, **start,
     )  # fmt: skip
-    assert motion.period_change.max() < 1.5 * motion.period_change[:2].max()  # 1.05^100 is 130
+    changes = motion.period_change[1:]  # the first entry compares with rest
+    assert changes.max() < 1.5 * changes[:2].max()  # 1.05^100 is 130
 
 
 def test_a_law_without_steps_gives_a_reason_and_no_verdict() -> None:
@@ -250,10 +251,13 @@ def test_stability_is_stored_and_older_files_are_read_without_it(duffing: ss.For
     import h5py
 
     with h5py.File(tmp_path / "new.nc", "a") as file:
-        for name in ("stable", "multipliers_real", "multipliers_imaginary", "bifurcations", "stability_message"):
+        for name in (
+            "stable", "doubtful", "multipliers_real", "multipliers_imaginary", "bifurcations", "stability_message"
+        ):  # fmt: skip
             del file[name]
     older = ss.ForcedResponse.load(tmp_path / "new.nc")
     assert older.stable is None
+    assert older.doubtful is None
     assert older.multipliers is None
     assert older.bifurcations == ()
     assert older.stability_message == NO_STABILITY

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -170,8 +171,28 @@ def test_pressure_gap_law_integrates_its_stiffness() -> None:
     force = np.array([law.force(np.array([value]))[0][0] for value in closure])
     slope = np.array([law.force(np.array([value]))[1][0] for value in closure])
     np.testing.assert_allclose(force, 2.0 * (0.5e6 * closure) ** 2, rtol=2e-4)
-    np.testing.assert_allclose(slope, 2.0 * 1e6 * 0.5e6 * closure, rtol=2e-2)
+    np.testing.assert_allclose(slope, 2.0 * 1e6 * 0.5e6 * closure, rtol=2e-4)
     assert law.force(np.array([-1e-3]))[0][0] < 0.0
+    last, stiffest = np.array([law.force(law.closure[-1:]), law.force(law.closure[-1:] + 1.0)])[..., 0]
+    assert stiffest == pytest.approx([last[0] + last[1], last[1]], rel=1e-12)  # linear beyond the table
+
+
+def test_the_slope_of_a_pressure_gap_law_has_no_jumps() -> None:
+    """Its change over a small step is that of the closed form, also across the points of its table."""
+    law = PressureGapLaw.from_stiffness([2.0], lambda p: p / 1e-6, 1e4, 1e9)  # p rises by e in each micrometre
+    law = replace(law, area=np.full(995, 2.0))  # as many pairs as closures
+    step = 1e-4 * 1e-6
+    (low, soft), (high, stiff) = (law.force(law.closure[5:1000] + move) for move in (-step, step))
+    np.testing.assert_allclose((stiff - soft) / soft, 2e-4, rtol=5e-3)
+    np.testing.assert_allclose((high - low) / (2.0 * step), 0.5 * (soft + stiff), rtol=1e-6)
+
+
+def test_a_pressure_gap_table_whose_stiffness_is_another_one_is_rejected() -> None:
+    law = PressureGapLaw.from_stiffness([2.0], lambda p: p / 1e-6, 1e4, 1e9)
+    with rejects(InputError, "closure", "stiffness"):
+        PressureGapLaw(law.area, 1.01 * law.closure, law.pressure, law.stiffness)
+    straight = PressureGapLaw(np.ones(1), np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 4.0]))
+    assert [straight.force(np.array([each]))[1][0] for each in (0.5, 1.5, 3.0)] == [1.0, 3.0, 3.0]
 
 
 def test_a_load_on_a_pressure_gap_law_finds_its_closure() -> None:

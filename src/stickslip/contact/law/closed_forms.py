@@ -1,7 +1,8 @@
 """Closed forms to check a friction law and contact stiffness against; the tests of stickslip use them.
 
-The motions are ``s = X cos(t)`` with spring stiffness k and friction coefficient mu; a spring force T on the left-hand
-side of the equation of motion. The formulas hold for the periodic state in which the pair slips in both directions.
+The motions are ``s = X cos(t)`` with spring stiffness k and friction coefficient mu; a spring force T
+on the left-hand side of the equation of motion. The formulas are valid for the
+periodic state in which the pair slips in both directions.
 """
 
 from __future__ import annotations

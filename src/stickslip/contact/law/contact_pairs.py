@@ -298,12 +298,12 @@ class ContactPairs:
         ).astype(bool)
 
     def walk(self, mean: FloatArray) -> FloatArray:
-        """(..., n_pairs, 3) m that a body goes on in each cycle, where the mean (..., 3 n_pairs) is that of many."""
+        """(..., n_pairs, 3) m that a body slides on in each cycle, where the mean (..., 3 n_pairs) is that of many."""
         return np.asarray(mean.reshape(*mean.shape[:-1], -1, 3) * self.walking() / CYCLES)
 
     def way(self, walk: FloatArray) -> FloatArray:
-        """(n_pairs, 3) m, mean relative displacements, those of many cycles, of unknowns that go on by ``walk`` (n,) m
-        in each."""
+        """(n_pairs, 3) m, mean relative displacements, those of many cycles, of unknowns that slide on by ``walk`` (n,)
+        m in each."""
         return np.asarray(CYCLES * (self.operator @ walk).reshape(-1, 3))
 
     def retaining(self) -> ContactPairs:
@@ -328,7 +328,7 @@ class ContactPairs:
         return joined_cycle(self.laws, self.members, displacement)
 
     def walking_cycle(self, displacement: FloatArray, walk: FloatArray | None) -> ContactCycle:
-        """:meth:`cycle` of unknowns that go on by ``walk`` (n,) m in each cycle, with its motion and sliders without
+        """:meth:`cycle` of unknowns that slide on by ``walk`` (n,) m in each cycle, with its motion and sliders without
         this way; None if nothing walks."""
         if walk is None:
             return self.cycle(displacement)

@@ -24,6 +24,7 @@ from stickslip.contact.law.law import ContactCycle, ContactState, IndexArray, La
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.contact.law.normal_law import SpringLaw
 from stickslip.core.errors import InputError
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, per_pair, require_positive
 
 
@@ -68,6 +69,8 @@ class CoulombLaw(FrictionLaw):
     gap: FloatArray
     residual_traction: FloatArray | None = None
     update: Update = "tractrix"
+
+    __repr__ = short_repr
 
     @classmethod
     def with_preload(

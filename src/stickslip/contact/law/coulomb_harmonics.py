@@ -230,7 +230,7 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
     ----------
     displacement:
         (n_samples, n_pairs, 3) m: t1, t2 and n of each pair at n_samples equal steps of one period (the end point,
-        which equals the first, is left out). At least 8 samples.
+        which equals the first, is omitted). At least 8 samples.
     pairs:
         the constants of the pairs.
     update:

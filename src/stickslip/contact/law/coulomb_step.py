@@ -60,7 +60,7 @@ def friction_step(
 
 @dataclass(frozen=True)
 class CoulombMemory:
-    """Where a step of Coulomb pairs starts."""
+    """The start of a step of Coulomb pairs."""
 
     displacement: FloatArray  # (n_pairs, 3) m
     traction: FloatArray  # (n_pairs, 2) N

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import ElasticLaw, pairs_in, per_component, require_at_least_zero
 from stickslip.contact.law.law import ContactState
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray
 
 
@@ -46,6 +47,8 @@ class CubicSpring(ElasticLaw):
     cubic_stiffness: FloatArray = field(
         metadata=constant("N/m^3", of_face=True, components=3, description="of the cube of the stretch")
     )
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.stiffness, self.cubic_stiffness)

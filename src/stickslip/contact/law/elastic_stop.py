@@ -12,6 +12,7 @@ from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import ElasticLaw, pairs_in, require_at_least_zero
 from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.core.errors import InputError
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, per_pair, require_positive
 
 
@@ -57,6 +58,8 @@ class ElasticStop(ElasticLaw):
     two_sided: bool = field(
         default=False, metadata=constant(is_switch=True, description="whether there is a stop on each side")
     )
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.stiffness, self.gap, self.spring)

@@ -28,6 +28,7 @@ from stickslip.contact.law.law import (
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray
 
 # chosen: a pair whose normal force falls below this fraction of that at rest counts as separating. It never opens.
@@ -45,7 +46,7 @@ class ExponentialNormalLaw:
         """Force and stiffness at closures (p,) or (..., p). An iteration that closes far too much gives infinity."""
         with np.errstate(over="ignore"):
             force = self.load * np.exp(closure / self.length)
-        return force, force / self.length
+            return force, force / self.length
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,8 @@ class ExponentialContact(FrictionLaw):
     residual_traction: FloatArray | None = None
     update: Update = "tractrix"
 
+    __repr__ = short_repr
+
     def _require_rest(self) -> None:
         unloaded = np.flatnonzero(self.normal_load <= 0.0)
         if unloaded.size:
@@ -136,7 +139,8 @@ class ExponentialContact(FrictionLaw):
         force[:, :2], deviates, periods = friction_force(coefficients, limits, self, self.update)
         moves = np.column_stack([deviates, deviates, coefficients[:, 2].any(axis=1)])
         analysis = analysis_matrix(coefficients.shape[2] // 2, samples)
-        force[:, 2] = (load - self.normal_load[:, None]) @ analysis.T
+        with np.errstate(invalid="ignore"):  # an iteration with an infinite force is no solution
+            force[:, 2] = (load - self.normal_load[:, None]) @ analysis.T
         return LawPeriod(force, moves, self._states(periods.state, load), periods.closure, periods.starts)
 
     def tangent(self, coefficients: FloatArray, samples: int, select: IndexArray, period: LawPeriod) -> FloatArray:
@@ -187,8 +191,8 @@ class ExponentialContact(FrictionLaw):
         if open_pairs.size:
             raise InputError(
                 f"pairs: {open_pairs.size} of {self.n_pairs} pairs nearly open in this state, the first one is pair "
-                f'{open_pairs[0]} with {load[open_pairs[0]]:.3g} N. The law "{self.name}" keeps their tangential '
-                'springs, which would hold them. Use the law "coulomb".',
+                f'{open_pairs[0]} with {load[open_pairs[0]]:.3g} N. The law "{self.name}" retains their tangential '
+                'springs, which would carry load. Use the law "coulomb".',
                 arguments=["pairs"],
             )
         return replace(

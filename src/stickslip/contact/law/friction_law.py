@@ -7,7 +7,7 @@ A subclass defines the normal force N over the closing of a pair (:mod:`coulomb`
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Self, cast
@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.contact.law.coulomb_step import CoulombMemory, PressedPairs
-from stickslip.contact.law.law import BoolArray, LawStep
+from stickslip.contact.law.law import BoolArray, IndexArray, LawStep
+from stickslip.contact.law.traction_at_rest import TractionAtRest, traction_of_pairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
 
@@ -28,7 +29,7 @@ STIFFNESS_ADVICE = (
 )
 
 
-class FrictionLaw(ABC):
+class FrictionLaw(TractionAtRest):
     """The constants that friction has in each of these laws; a subclass is a frozen dataclass with these fields."""
 
     per_pair: ClassVar[tuple[str, ...]] = ("normal_stiffness", "friction_coefficient", "normal_load")
@@ -37,7 +38,6 @@ class FrictionLaw(ABC):
     tangential_stiffness: FloatArray
     friction_coefficient: FloatArray
     normal_load: FloatArray
-    residual_traction: FloatArray | None
     update: Update
 
     def __post_init__(self) -> None:
@@ -62,13 +62,7 @@ class FrictionLaw(ABC):
 
     def _admissible(self, traction: ArrayLike) -> FloatArray:
         """A residual traction (p, 2), reduced to the limit where only round-off exceeds it."""
-        residual = finite_array("residual_traction", traction)
-        if residual.shape != (self.n_pairs, 2):
-            raise InputError(
-                f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair, but its shape "
-                f"is {residual.shape}.",
-                arguments=["residual_traction"],
-            )
+        residual = traction_of_pairs(traction, self.n_pairs)
         size, limit = np.hypot(residual[:, 0], residual[:, 1]), self.largest_slip_force
         beyond = np.flatnonzero(size > limit * (1.0 + 1e-6))
         if beyond.size:
@@ -98,16 +92,6 @@ class FrictionLaw(ABC):
             return self.tangential_stiffness
         return np.repeat(self.tangential_stiffness[:, None], 2, axis=1)
 
-    @property
-    def released(self) -> bool:
-        """True if the sliders start at the mean of the motion, so that a traction at rest has no effect."""
-        return self.residual_traction is None
-
-    @property
-    def resting_traction(self) -> FloatArray:
-        """(p, 2) N along t1, t2 at rest: the residual traction; zero if released."""
-        return np.zeros((self.n_pairs, 2)) if self.residual_traction is None else self.residual_traction
-
     @cached_property
     def closed_at_rest(self) -> BoolArray:
         """(p,) True where a normal load presses the pair together."""
@@ -121,14 +105,6 @@ class FrictionLaw(ABC):
     def stuck_springs(self) -> FloatArray:
         """(p, 3) N/m: k_t1, k_t2, k_n of a closed and stuck pair."""
         return np.column_stack([self.tangential_springs, self.normal_stiffness])
-
-    def frictional(self) -> BoolArray:
-        """(p, 3) True along t1 and t2."""
-        return np.tile([True, True, False], (self.n_pairs, 1))
-
-    def undetermined(self) -> BoolArray:
-        """(p, 3) True along t1 and t2 if released."""
-        return self.frictional() & self.released
 
     def walking(self) -> BoolArray:
         """(p, 3) True along t1 and t2 if tractions are retained: the mean is then that which C cycles have reached."""
@@ -158,6 +134,11 @@ class FrictionLaw(ABC):
     def with_traction(self, traction: FloatArray) -> Self:
         """The law with a residual traction (p, 2) N retained. Raises InputError for one beyond the limit."""
         return self._with(residual_traction=traction)
+
+    def of_members(self, members: IndexArray) -> Self:
+        """The law of some of its pairs (k,)."""
+        arrays = {name: getattr(self, name) for name in (*self.per_pair, "tangential_stiffness", "residual_traction")}
+        return self._with(**{name: value[members] for name, value in arrays.items() if value is not None})
 
     def _with(self, **constants: Any) -> Self:
         return cast("Self", replace(cast("Any", self), **constants))

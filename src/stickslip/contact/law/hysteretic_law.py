@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, ClassVar, Self, cast
@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self, cast
 import numpy as np
 
 from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
+from stickslip.contact.law.traction_at_rest import TractionAtRest
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.validation import FloatArray, per_pair
@@ -31,10 +32,10 @@ class TangentialStep:
     memory: Any
 
 
-class HystereticLaw(ABC):
+class HystereticLaw(TractionAtRest):
     """A law whose force along a tangent depends on the path along this tangent alone, not on the mean of the path.
 
-    The force at rest is released: it does not depend on the mean displacement, unless a subclass can keep one
+    The force at rest is released: it does not depend on the mean displacement, unless a subclass can retain one
     (:meth:`keeping`, :attr:`resting_traction` and :attr:`released`). A subclass has the constants
     ``tangential_stiffness`` (p, 2) N/m of small motions and ``normal_stiffness`` (p,) N/m.
     """
@@ -70,21 +71,11 @@ class HystereticLaw(ABC):
         """The force after a motion to displacements (p, 2) m along t1 and t2 from the memory ``before``."""
 
     def keeping(self, memory: Any) -> Self:
-        """The law about the state with a memory, its traction kept. Raises InputError unless a subclass gives it."""
+        """The law about the state with a memory, its traction retained. Raises InputError unless a subclass has it."""
         raise InputError(
             f'the law {self.name} cannot retain a traction at rest ("kept"). Use the state without friction instead '
             '("released").'
         )
-
-    @property
-    def released(self) -> bool:
-        """True if no traction at rest is remembered."""
-        return True
-
-    @property
-    def resting_traction(self) -> FloatArray:
-        """(p, 2) N along t1, t2 at rest: zero unless a subclass keeps one."""
-        return np.zeros((self.n_pairs, 2))
 
     @property
     def normal_load(self) -> FloatArray:
@@ -94,14 +85,6 @@ class HystereticLaw(ABC):
     def resting_springs(self) -> FloatArray:
         """(p, 3) N/m along t1, t2, n."""
         return np.column_stack([self.tangential_stiffness, self.normal_stiffness])
-
-    def frictional(self) -> BoolArray:
-        """(p, 3) True along t1 and t2."""
-        return np.tile([True, True, False], (self.n_pairs, 1))
-
-    def undetermined(self) -> BoolArray:
-        """(p, 3) True along t1 and t2 if released: the force follows from the changes of the path."""
-        return self.frictional() & self.released
 
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""

@@ -23,6 +23,7 @@ from stickslip.contact.law.iwan_path import PathMemory, backbone_force, follow_f
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
 
 # Towards -1 the backbone is a difference of nearly equal terms: its error is 1e-5 at -1 + 1e-9 and 1e-4 at -1 + 1e-12.
@@ -76,6 +77,8 @@ class IwanJoint(RestingNormalForce, HystereticLaw):
     )
     normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
     path_to_rest: FloatArray | None = None
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         constants = (self.tangential_stiffness, self.slip_force, self.exponent, self.ratio, self.normal_stiffness)
@@ -175,7 +178,7 @@ class IwanJoint(RestingNormalForce, HystereticLaw):
         _walk(paths, self._constants(), nothing, force, energy, np.empty((*paths.shape, 0)))
         moving = np.ptp(paths, axis=2) > 0.0
         if self.path_to_rest is not None:
-            follow_from_rest(*self._kept(slice(None), paths), nothing, force, np.empty((*paths.shape, 0)))
+            follow_from_rest(*self._from_path(slice(None), paths), nothing, force, np.empty((*paths.shape, 0)))
             # Also a shift of the mean leaves the springs: the joint goes on along its backbone.
             return force, (paths != 0.0).any(axis=2), moving, np.asarray(energy.sum(axis=1))
         return force, moving, moving, np.asarray(energy.sum(axis=1))
@@ -185,12 +188,12 @@ class IwanJoint(RestingNormalForce, HystereticLaw):
         chosen = paths[select]
         tangent = np.zeros((*chosen.shape, synthesis.shape[1]))
         if self.path_to_rest is not None:
-            follow_from_rest(*self._kept(select, chosen), synthesis, np.empty_like(chosen), tangent)
+            follow_from_rest(*self._from_path(select, chosen), synthesis, np.empty_like(chosen), tangent)
             return tangent
         _walk(chosen, self._constants()[select], synthesis, np.empty_like(chosen), np.empty(chosen.shape[:2]), tangent)
         return tangent
 
-    def _kept(self, select: IndexArray | slice, paths: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _from_path(self, select: IndexArray | slice, paths: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Paths, turning points on the way to rest, from where there is no force, and constants of chosen pairs."""
         assert self.path_to_rest is not None
         origin = self._origin[select][:, :, None]

@@ -73,7 +73,7 @@ def loop_energy(amplitude: float, stiffness: float, density: float, chi: float, 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _moved(here: float, target: float, turns: FloatArray, depth: int) -> int:
-    """How many of ``turns`` (m,) count after a motion from ``here`` to ``target``; a new one is written."""
+    """The number of ``turns`` (m,) that count after a motion from ``here`` to ``target``; a new one is written."""
     if target == here:
         return depth
     sign = 1.0 if target > here else -1.0

@@ -14,17 +14,19 @@ from stickslip.contact.law.coulomb_linear import TOUCH
 from stickslip.contact.law.hysteretic_law import HystereticLaw, RestingNormalForce, TangentialStep
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.contact.law.linear_steps import LinearSteps
+from stickslip.contact.law.traction_at_rest import traction_of_pairs
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
+from stickslip.core.short_repr import short_repr
+from stickslip.core.validation import FloatArray, per_pair, require_positive
 
-# A trial force beyond the limit by this share of it is the round-off of an element that shakes down to its limit.
+# A trial force beyond the limit by this fraction of it is the round-off of an element that shakes down to its limit.
 ROUND_OFF = 1e-13
 
 
 @dataclass(frozen=True)
 class SliderMemory:
-    """Where a step starts: displacement (p, 2) m and traction (p, 2) N along t1 and t2."""
+    """The start of a step: displacement (p, 2) m and traction (p, 2) N along t1 and t2."""
 
     displacement: FloatArray
     traction: FloatArray
@@ -69,6 +71,8 @@ class JenkinsElement(RestingNormalForce, HystereticLaw):
     normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
     residual_traction: FloatArray | None = None
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.tangential_stiffness, self.friction_limit, self.normal_stiffness)
         self._take_normal_force(count)
@@ -82,27 +86,19 @@ class JenkinsElement(RestingNormalForce, HystereticLaw):
             object.__setattr__(self, "residual_traction", self._admissible(self.residual_traction))
 
     def _admissible(self, traction: FloatArray) -> FloatArray:
-        """A residual traction (p, 2) that the elements can hold. Raises InputError for another."""
-        kept = finite_array("residual_traction", traction)
+        """A residual traction (p, 2) that the elements can retain. Raises InputError for another."""
+        residual = traction_of_pairs(traction, self.n_pairs)
         largest = np.where(self.tangential_stiffness > 0.0, self.friction_limit, 0.0)
-        if kept.shape != largest.shape or (np.abs(kept) > largest).any():
+        beyond = np.argwhere(np.abs(residual) > largest)
+        if beyond.size:
+            pair, axis = beyond[0]
             raise InputError(
-                f"residual_traction of the law {self.name} must have shape {largest.shape} and be within the friction "
-                f"limit of each element (0 where its stiffness is 0), but its shape is {kept.shape} and its largest "
-                f"value {np.abs(kept).max(initial=0.0):g} N. Use the traction of static_preload.",
-                ("residual_traction",),
+                f"residual_traction[{pair}, {axis}] is {residual[pair, axis]:.4g} N, but the element carries at most "
+                f"{largest[pair, axis]:.4g} N (its friction limit, 0 without stiffness; elements above it: "
+                f"{len(beyond)} of {residual.size}). Use the traction of static_preload.",
+                arguments=["residual_traction"],
             )
-        return kept
-
-    @property
-    def released(self) -> bool:
-        """True if no traction at rest is remembered."""
-        return self.residual_traction is None
-
-    @property
-    def resting_traction(self) -> FloatArray:
-        """(p, 2) N along t1, t2 at rest: the residual traction; zero if released."""
-        return np.zeros((self.n_pairs, 2)) if self.residual_traction is None else self.residual_traction
+        return residual
 
     @property
     def largest_slip_force(self) -> FloatArray:

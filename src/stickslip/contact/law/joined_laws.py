@@ -1,4 +1,4 @@
-"""What the laws of groups of pairs give, joined in the order of the pairs.
+"""The results of the laws of groups of pairs, joined in the order of the pairs.
 
 ``members[i]`` are the pairs with the law ``laws[i]``; each pair has one law.
 """
@@ -19,7 +19,7 @@ Members = Sequence[IndexArray]
 
 
 class Stepping(Protocol):
-    """What gives forces step by step: a law, or pairs whose whole forces count."""
+    """A source of forces step by step: a law, or pairs whose whole forces count."""
 
     def step(self, displacement: FloatArray, before: Any) -> LawStep: ...
 

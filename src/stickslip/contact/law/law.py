@@ -16,6 +16,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray
 
 BoolArray = NDArray[np.bool_]
@@ -112,6 +113,8 @@ class ContactCycle:
     dissipated_energy: FloatArray
     closure: FloatArray
 
+    __repr__ = short_repr
+
 
 @runtime_checkable
 class ContactLaw(Protocol):
@@ -173,7 +176,7 @@ class ContactLaw(Protocol):
     def about(self, displacement: FloatArray, memory: Any) -> ContactLaw:
         """The law about another state at rest, at a displacement (p, 3) m with a memory that :meth:`step` gave there.
 
-        Displacements and forces of the new law count from that state. With a memory, friction keeps the traction that
-        it holds there ("kept"); with None the traction is forgotten ("released"). Raises InputError where the law has
-        no form for such a state.
+        Displacements and forces of the new law count from that state. With a memory, friction retains its traction
+        there ("kept"); with None the traction has no effect ("released"). Raises InputError if the law has no form for
+        such a state.
         """

@@ -20,6 +20,7 @@ from scipy.optimize import least_squares
 from stickslip.contact.law.measured_loops import FORCE_PERCENTILES, Loops
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, positive_number
 
 Interval = tuple[float, float]
@@ -82,6 +83,8 @@ class LoopFit:
     samples_per_independent: float
     normal_load: float | None = None
     warnings: tuple[str, ...] = ()
+
+    __repr__ = short_repr
 
     @property
     def friction_coefficient(self) -> float | None:
@@ -229,12 +232,12 @@ class _Search:
         best = min(starts, key=lambda start: float(np.sum(residual(start[free]) ** 2)))
         least = np.full(4, -np.inf)
         least[3] = 0.0
-        found = least_squares(residual, best[free], bounds=(least[free], np.inf), diff_step=1e-5, jac="3-point")
+        solution = least_squares(residual, best[free], bounds=(least[free], np.inf), diff_step=1e-5, jac="3-point")
         values, deviation = np.zeros(4), np.zeros(4)
-        values[free] = found.x
-        length = correlation_length(found.fun)
-        variance = length * float(found.fun @ found.fun) / max(1, found.fun.size - found.x.size)
-        deviation[free] = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
+        values[free] = solution.x
+        length = correlation_length(solution.fun)
+        variance = length * float(solution.fun @ solution.fun) / max(1, solution.fun.size - solution.x.size)
+        deviation[free] = np.sqrt(variance * np.diag(np.linalg.pinv(solution.jac.T @ solution.jac)))
         constants = base + unit * values
         return _Solution(constants, unit * deviation, self._residual(constants), length)
 
@@ -277,17 +280,17 @@ def correlation_length(residual: FloatArray) -> float:
 
 def _warnings(loops: Loops, fit: LoopFit) -> tuple[str, ...]:
     """Messages on constants that the measurement hardly determines, and on a shape that the model does not have."""
-    found = []
+    sentences = []
     elastic = np.abs(np.abs(fit.fitted) - 0.5 * fit.friction_limit) < 0.499 * fit.friction_limit
     each = elastic.sum() / loops.count
     if each < FEWEST_ELASTIC:
-        found.append(
+        sentences.append(
             f"The elastic part of a cycle has {each:.1f} samples on average, so the tangential stiffness is uncertain. "
             "Sample faster, or move more slowly at the reversals."
         )
     if fit.misfit > LARGEST_MISFIT:
-        found.append(
+        sentences.append(
             f"The model does not explain {100.0 * fit.misfit:.0f} % (rms) of the force. The loops have another shape, "
             "for example because the friction changes along the path. The intervals are those of the best fit."
         )
-    return tuple(found)
+    return tuple(sentences)

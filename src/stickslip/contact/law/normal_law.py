@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.contact.preload import checked_area
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, require_positive
+from stickslip.core.short_repr import short_repr
+from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
 
 # A law over the pressure is tabulated at this number of pressures, evenly spaced in their logarithm.
 TABLE_POINTS = 2000
@@ -56,7 +57,10 @@ class FaceLaws:
 
 @dataclass(frozen=True)
 class PressureGapLaw:
-    """``N_i = A_i p(closure_i)`` from a table of pressures over closures, linear between its entries and beyond.
+    """``N_i = A_i p(closure_i)`` from a table of pressures over closures, linear beyond it.
+
+    Between its entries it is linear, or with ``stiffness`` the compliance ``1 / stiffness`` is linear in the pressure,
+    so that the slope has no jumps. Jumps of a fine table are small, but they make derivatives of a preload useless.
 
     Parameters
     ----------
@@ -64,16 +68,21 @@ class PressureGapLaw:
         (n_pairs,) m2.
     closure, pressure:
         (n_points,) m and Pa, both rising from (0, 0).
+    stiffness:
+        None, or (n_points,) N/m3, the slope at each entry, from which the closure follows by the trapezoidal rule.
 
     Raises
     ------
     InputError
-        for a table that does not rise, or does not start at (0, 0).
+        for a table that does not rise, does not start at (0, 0), or has another closure than that of its stiffness.
     """
 
     area: FloatArray
     closure: FloatArray
     pressure: FloatArray
+    stiffness: FloatArray | None = None
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "area", checked_area(self.area))
@@ -92,6 +101,18 @@ class PressureGapLaw:
                 "requires one pressure for each closure.",
                 arguments=["closure"],
             )
+        if self.stiffness is not None:
+            stiffness = per_pair("stiffness", self.stiffness, self.pressure.size)
+            require_positive(
+                "stiffness", stiffness, "A pressure-gap law requires a stiffness per area at each pressure."
+            )
+            if not np.allclose(np.diff(self.closure), _closing(self.pressure, stiffness), rtol=1e-9, atol=0.0):
+                raise InputError(
+                    "closure does not follow from stiffness: between two entries it must grow by the step of the "
+                    "pressure times the mean of 1 / stiffness. Use PressureGapLaw.from_stiffness.",
+                    arguments=["closure", "stiffness"],
+                )
+            object.__setattr__(self, "stiffness", stiffness)
 
     @classmethod
     def from_stiffness(
@@ -108,14 +129,28 @@ class PressureGapLaw:
         pressure = np.geomspace(lowest, highest, TABLE_POINTS)
         kappa = finite_array("stiffness", stiffness(pressure))
         require_positive("stiffness", kappa, "A pressure-gap law requires a stiffness per area at each pressure.")
-        slope = 0.5 * (1.0 / kappa[1:] + 1.0 / kappa[:-1])
-        first = lowest / kappa[0]
-        closure = np.concatenate([[0.0, first], first + np.cumsum(slope * np.diff(pressure))])
-        return cls(np.asarray(area, dtype=float), closure, np.concatenate([[0.0], pressure]))
+        pressure, kappa = np.concatenate([[0.0], pressure]), np.concatenate([kappa[:1], kappa])
+        closure = np.concatenate([[0.0], np.cumsum(_closing(pressure, kappa))])
+        return cls(np.asarray(area, dtype=float), closure, pressure, kappa)
 
     def force(self, closure: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Force and stiffness at the closure."""
         interval = np.clip(np.searchsorted(self.closure, closure, side="right") - 1, 0, self.closure.size - 2)
-        slope = (np.diff(self.pressure) / np.diff(self.closure))[interval]
-        pressure = self.pressure[interval] + slope * (closure - self.closure[interval])
-        return self.area * pressure, self.area * slope
+        if self.stiffness is None:
+            slope = (np.diff(self.pressure) / np.diff(self.closure))[interval]
+            pressure = self.pressure[interval] + slope * (closure - self.closure[interval])
+            return self.area * pressure, self.area * slope
+        compliance = 1.0 / self.stiffness
+        bend = (np.diff(compliance) / np.diff(self.pressure))[interval]
+        beyond = np.maximum(closure - self.closure[-1], 0.0)
+        step = closure - beyond - self.closure[interval]
+        # d closure = (compliance + bend x) dx, x the pressure above that of the entry
+        root = np.sqrt(compliance[interval] ** 2 + 2.0 * bend * step)
+        rise = 2.0 * step / (compliance[interval] + root)
+        pressure = self.pressure[interval] + rise + self.stiffness[-1] * beyond
+        return self.area * pressure, self.area / root
+
+
+def _closing(pressure: FloatArray, stiffness: FloatArray) -> FloatArray:
+    """(n_points - 1,) m between neighbours, by the trapezoidal rule for ``dp / stiffness``."""
+    return np.asarray(0.5 * (1.0 / stiffness[1:] + 1.0 / stiffness[:-1]) * np.diff(pressure))

@@ -197,17 +197,7 @@ class FacePairs:
 
         Raises InputError when a node of a pair is not among ``superelement.boundary_nodes``.
         """
-        boundary, nodes = superelement.boundary_nodes, self.nodes
-        missing = np.setdiff1d(nodes, boundary)
-        if missing.size:
-            raise InputError(
-                f"node {missing[0]} of a contact pair is not a boundary node of the superelement ({missing.size} of "
-                f"{nodes.size} are not); reduce again with FacePairs.nodes among the boundary_nodes."
-            )
-        full = self.mesh_operator(int(boundary.max()) + 1)
-        matrix = np.zeros((3 * self.n_pairs, superelement.size))
-        matrix[:, : 3 * len(boundary)] = full[:, (3 * boundary[:, None] + np.arange(3)).ravel()].toarray()
-        return matrix
+        return superelement.operator(self)
 
     def springs(self, normal_per_area: float, tangential_per_area: float) -> FloatArray:
         """(3 * n_pairs,) N/m, t1, t2, n of each pair, from stiffness per area in N/m3. Raises InputError below 0."""

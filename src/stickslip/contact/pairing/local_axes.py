@@ -64,16 +64,20 @@ def _mean(vectors: FloatArray, area: FloatArray) -> FloatArray:
     return np.asarray(area @ vectors / area.sum())
 
 
+def mean_tangents(tangent1: FloatArray, tangent2: FloatArray, area: FloatArray) -> FloatArray | None:
+    """(2, 3) unit vectors, the means over a face of its tangents; None on a closed face, where they have no mean."""
+    means = np.array([_mean(tangent1, area), _mean(tangent2, area)])
+    length = np.linalg.norm(means, axis=1, keepdims=True)
+    return None if length.min() < _SMALLEST_MEAN else np.asarray(means / length)
+
+
 def map_position(points: FloatArray, tangent1: FloatArray, tangent2: FloatArray, area: FloatArray) -> FloatArray:
     """(k, 2) m along the mean tangents from the middle of the face's box.
 
     On a closed face, where a tangent has no mean, the axes are the two longest principal axes of its points.
     """
-    axes = np.array([_mean(tangent1, area), _mean(tangent2, area)])
-    length = np.linalg.norm(axes, axis=1, keepdims=True)
-    if length.min() < _SMALLEST_MEAN:
+    axes = mean_tangents(tangent1, tangent2, area)
+    if axes is None:
         axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][:2]
-    else:
-        axes = axes / length
     position = points @ axes.T
     return np.asarray(position - 0.5 * (position.min(axis=0) + position.max(axis=0)))

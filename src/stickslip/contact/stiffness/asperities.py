@@ -24,18 +24,42 @@ class Roughness:
     """Weierstrass-Mandelbrot roughness of a contact face, and the material constants of its spots.
 
     D determines the distribution of the height over the wavelengths, G its size. At the same G a face with larger D is
-    smoother and stiffer; a face with larger G is rougher and softer. Raises InputError for a value out of range.
+    smoother and stiffer; a face with larger G is rougher and softer.
+
+    Parameters
+    ----------
+    fractal_dimension:
+        D of the surface, 2 < D < 3; a profile has D - 1.
+    fractal_roughness:
+        G in m.
+    hardness:
+        H in Pa, of the softer face.
+    reduced_modulus:
+        E* in Pa.
+    poisson_ratio:
+        of both faces.
+    domain_extension:
+        psi of the size distribution of the spots; 1 for none.
+    frequency_ratio:
+        gamma, ratio of successive wave numbers.
+    sample_length, shortest_length:
+        L and Ls in m, the longest and the shortest wave; None if the law does not require them.
+
+    Raises
+    ------
+    InputError
+        for a value out of range; RoughnessError if the size of the spots is outside of floating-point numbers.
     """
 
-    fractal_dimension: float  # D of the surface, 2 < D < 3 (a profile has D - 1)
-    fractal_roughness: float  # G in m
-    hardness: float  # H in Pa, of the softer face
-    reduced_modulus: float  # E* in Pa
-    poisson_ratio: float  # of both faces
-    domain_extension: float = 1.0  # psi of the size distribution; 1 leaves it out
-    frequency_ratio: float = 1.5  # gamma, ratio of successive wave numbers
-    sample_length: float | None = None  # L in m, longest wave
-    shortest_length: float | None = None  # Ls in m, shortest wave
+    fractal_dimension: float
+    fractal_roughness: float
+    hardness: float
+    reduced_modulus: float
+    poisson_ratio: float
+    domain_extension: float = 1.0
+    frequency_ratio: float = 1.5
+    sample_length: float | None = None
+    shortest_length: float | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):

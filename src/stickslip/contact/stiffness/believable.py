@@ -14,7 +14,7 @@ import numpy as np
 from stickslip.contact.stiffness.persson import PerssonStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 
-BAND = 3.0
+BAND = 3.0  # two methods of measurement differ by this factor (Mulvihill et al., Exp. Mech. 53 (2013) 1245)
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class Believable:
     def message(self, name: str) -> str:
         """A message on a stiffness outside of the band; ``name`` of the law."""
         if self.chosen == 0.0:
-            found = "gives no stiffness instead of"
+            comparison = "gives no stiffness instead of"
         elif self.ratio >= 1.0:
-            found = f"gives {1e-9 * self.chosen:.3g} N/mm3, {self.ratio:.3g} times"
+            comparison = f"gives {1e-9 * self.chosen:.3g} N/mm3, {self.ratio:.3g} times"
         else:
-            found = f"gives {1e-9 * self.chosen:.3g} N/mm3, 1/{1.0 / self.ratio:.3g} of"
+            comparison = f"gives {1e-9 * self.chosen:.3g} N/mm3, 1/{1.0 / self.ratio:.3g} of"
         low, high = self.band
         return (
-            f"Believable band: under {1e-6 * self.pressure:.3g} MPa {name} {found} "
+            f"Believable band: under {1e-6 * self.pressure:.3g} MPa {name} {comparison} "
             f"the {1e-9 * self.persson:.3g} N/mm3 of Persson's law, which boundary elements confirm; "
             f"believable are {1e-9 * low:.3g} to {1e-9 * high:.3g} N/mm3. "
             'Choose law = "persson", or give a measured stiffness.'

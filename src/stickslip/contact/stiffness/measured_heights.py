@@ -15,6 +15,7 @@ from stickslip.core.validation import positive_number
 USUAL_DIMENSION = 2.2
 RATIO, SMALLEST_RATIO, LARGEST_RATIO = 1.5, 1.05, 3.0  # of successive waves: the usual one, and chosen limits
 MOST_WAVES = 60  # 1.5^60 = 4e10: more than a metre over an atom
+SHORTEST_WAVE = 1e-10  # m; atoms of metals are 0.25 nm apart, as in shortest_length of study files
 
 
 def roughness_of_heights(
@@ -29,8 +30,9 @@ def roughness_of_heights(
     """The surface with the measured ``sq_height`` (Sq in m) and ``sdq_slope`` (Sdq) over ``sample_length`` (m).
 
     The number of waves follows from Sdq at the given D, and G from Sq; the ratio of successive waves is adjusted about
-    1.5, and the surface then has both values exactly. Hardness and reduced modulus in Pa. Raises InputError for values
-    out of range, and an Sdq that no band of waves up to the sample length has.
+    1.5, and the surface then has both values exactly. Hardness and reduced modulus in Pa. The result is credible if its
+    ``shortest_length`` is about twice the spacing of the measurement; otherwise D is another one. Raises InputError for
+    values out of range, and an Sdq that no band of waves from the sample length to the distance of atoms has.
     """
     height, slope = positive_number("sq_height", sq_height, "m"), positive_number("sdq_slope", sdq_slope, "(a slope)")
     longest = positive_number("sample_length", sample_length, "m")
@@ -45,6 +47,13 @@ def roughness_of_heights(
         if excess(RATIO, waves) > 0.0 and excess(SMALLEST_RATIO, waves) < 0.0:
             ratio = float(brentq(excess, SMALLEST_RATIO, LARGEST_RATIO, args=(waves,), xtol=1e-13))
             shortest = longest / ratio ** (waves - 1)
+            if shortest < SHORTEST_WAVE:
+                raise InputError(
+                    f"with fractal_dimension = {fractal_dimension:g}, a surface has Sq = {height:g} m and Sdq = "
+                    f"{slope:g} only with waves down to {shortest:.2g} m, which is below the distance of atoms. Raise "
+                    "fractal_dimension until shortest_length is twice the spacing of the measurement, or check Sdq.",
+                    arguments=["sdq_slope", "fractal_dimension"],
+                )
             scale = fractal_roughness_from_sq(height, fractal_dimension, longest, shortest, ratio)
             return Roughness(
                 fractal_dimension,

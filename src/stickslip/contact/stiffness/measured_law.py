@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.contact.constants import constant
 from stickslip.core.errors import InputError, concerning
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, finite_array, require_positive
 
 # A load over an area that should be an end of the table differs from it by round-off only.
@@ -39,6 +40,8 @@ class MeasuredStiffness:
     pressure: FloatArray = field(metadata=constant("Pa", is_table=True, description="rising"))
     normal_stiffness: FloatArray = field(metadata=constant("N/m^3", is_table=True, description="per area"))
     tangential_stiffness: FloatArray = field(metadata=constant("N/m^3", is_table=True, description="per area"))
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in ("pressure", "normal_stiffness", "tangential_stiffness"):

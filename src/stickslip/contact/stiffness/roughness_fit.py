@@ -28,6 +28,7 @@ from stickslip.contact.stiffness.measured_lines import (
 from stickslip.contact.stiffness.random_lines import LineSet, Spectrum, simulate
 from stickslip.contact.stiffness.roughness_warnings import Evidence, warnings_of
 from stickslip.core.errors import InputError
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, finite_array, whole_number
 
 LAGS_PER_DECADE = 8  # chosen: neighbouring lags are correlated, so more add little
@@ -41,24 +42,52 @@ CONSTANT_RANGE = (-3.0, 3.0)  # of ln[1 + c / S at the shortest lag]
 
 @dataclass(frozen=True)
 class RoughnessFit:
-    """D and G of a measured surface with their intervals, and further statistics of the measurement."""
+    """D and G of a measured surface with their intervals, and further statistics of the measurement.
 
-    fractal_dimension: float  # D of the surface, 2 < D < 3
-    fractal_roughness: float  # G in m
-    fractal_dimension_interval: Interval  # 95 %
-    fractal_roughness_interval: Interval  # 95 %, m
-    scale_range: Interval  # shortest and longest lag of the fit, m
-    lag: FloatArray  # (n_lags,) m; for a map, those along x and then those along y
-    structure_function: FloatArray  # (n_lags,) m2, of detrended lines
-    fitted: FloatArray  # (n_lags,) m2, the fit at the same lags
-    points_along_x: int  # number of lags along x
-    noise_height: float  # rms of uncorrelated heights, m; 0 unless the constant c is significantly above 0
-    rms_height: float  # Sq in m about the mean lines
-    rms_slope: float  # Sdq at the scale of ``slope_scale``; a line's slope times sqrt(2), as on an isotropic surface
-    slope_scale: float  # m
-    fit_probability: float  # fraction of simulated surfaces of this D and G that fit worse
-    usable: bool  # False where D is at the end of its range: no surface of this law fits
+    Attributes
+    ----------
+    fractal_dimension, fractal_roughness:
+        D of the surface, 2 < D < 3, and G in m.
+    fractal_dimension_interval, fractal_roughness_interval:
+        (low, high) of 95 %; the second in m.
+    scale_range:
+        (shortest, longest) lag of the fit, m.
+    lag, structure_function, fitted:
+        (n_lags,) m; m2 of detrended lines; m2 of the fit. For a map, the lags along x and then those along y.
+    points_along_x:
+        number of lags along x.
+    noise_height:
+        rms of uncorrelated heights, m; 0 unless the constant c of the fit is significantly above 0.
+    rms_height:
+        Sq in m about the mean lines.
+    rms_slope, slope_scale:
+        Sdq at the scale ``slope_scale`` in m: the slope of a line times sqrt(2), as on an isotropic surface.
+    fit_probability:
+        fraction of simulated surfaces of this D and G that fit worse.
+    usable:
+        False if D is at an end of its range: no surface of this law fits.
+    warnings:
+        messages, for example on a range too short for a power law.
+    """
+
+    fractal_dimension: float
+    fractal_roughness: float
+    fractal_dimension_interval: Interval
+    fractal_roughness_interval: Interval
+    scale_range: Interval
+    lag: FloatArray
+    structure_function: FloatArray
+    fitted: FloatArray
+    points_along_x: int
+    noise_height: float
+    rms_height: float
+    rms_slope: float
+    slope_scale: float
+    fit_probability: float
+    usable: bool
     warnings: tuple[str, ...]
+
+    __repr__ = short_repr
 
 
 def fit_roughness(
@@ -80,7 +109,8 @@ def fit_roughness(
     ``seed``
         of the simulated surfaces; the same seed gives the same intervals.
 
-    The mean straight line of every line is removed, and the fit accounts for the loss. Raises InputError for heights
+    The mean straight line of every line is removed, and the fit accounts for the loss. Method:
+    docs/theory_roughness_fit.md. Raises InputError for heights
     that are not finite, not a line or map, all on straight lines, or too few, and for values out of range.
     """
     parts = line_sets(finite_array("heights", heights), spacing)

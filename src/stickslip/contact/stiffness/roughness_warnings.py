@@ -58,8 +58,8 @@ def _warnings_of(fit: Evidence) -> Iterator[str]:
         )
     if high < 10.0 * low:
         yield (
-            f"Range below a decade: the fit uses scales from {low:.3g} m to {high:.3g} m only, over which a power "
-            "law is hard to tell from another curve."
+            f"Range below a decade: the fit uses scales from {low:.3g} m to {high:.3g} m only, which is too "
+            "little to distinguish a power law from another curve."
         )
     if fit.points < FEW_POINTS:
         yield f"Too few points: {fit.points} on a line; {FEW_POINTS} or more make the intervals narrower."

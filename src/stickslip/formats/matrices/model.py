@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.formats.matrices.checks import checked_matrix
 from stickslip.structure.mesh import IntArray
@@ -56,6 +57,8 @@ class MatrixModel:
     position: FloatArray | None = None
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
     messages: tuple[str, ...] = ()
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         messages = list(self.messages)

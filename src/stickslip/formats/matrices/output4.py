@@ -19,7 +19,7 @@ from stickslip.formats.matrices.source import errors_naming, file_bytes, quoted,
 _FORMAT = re.compile(r"(?:1P,?)?(\d+)[ED](\d+)\.\d+", re.IGNORECASE)
 _DEFAULT_FORMAT = "1P,5E16.9"
 _STRING_ROWS = 65536  # a short string header packs its length and its first row into one word
-# The length of the first record of a binary file tells its byte order and the bytes of a word.
+# The length of the first record of a binary file gives its byte order and the bytes of a word.
 _FIRST_RECORDS = {b"\x18\0\0\0": ("<", 4), b"\0\0\0\x18": (">", 4), b"\x30\0\0\0": ("<", 8), b"\0\0\0\x30": (">", 8)}
 
 
@@ -145,7 +145,7 @@ class _TextFile:
 
     @property
     def place(self) -> str:
-        """Where the reader stands."""
+        """The position of the reader."""
         return f"line {self._next}"
 
     @property
@@ -236,7 +236,7 @@ class _BinaryFile:
 
     @property
     def place(self) -> str:
-        """Where the reader stands."""
+        """The position of the reader."""
         return f"byte {self._next}"
 
     @property

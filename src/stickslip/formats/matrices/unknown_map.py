@@ -12,7 +12,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.formats.matrices.source import quoted, text_lines
 from stickslip.structure.mesh import IntArray
 
-# Names of directions: ours, Ansys, and numbers as CalculiX and Nastran count them.
+# Names of directions: those of stickslip, of Ansys, and numbers as CalculiX and Nastran count them.
 _NAMES = (
     ("x", "ux", "1"),
     ("y", "uy", "2"),

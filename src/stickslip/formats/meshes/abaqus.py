@@ -113,7 +113,7 @@ class _Reader:
             (raw.node_sets if what == "node" else raw.element_sets)[name] = members
         self._require_members()
         frames = self._systems.frames()
-        raw.held, equations = basic_constraints(raw.held, frames)
+        raw.constraints, equations = basic_constraints(raw.constraints, frames)
         raw.loads = basic_loads(raw.loads, frames)
         self._ties.write(frames)
         self._contact.write()

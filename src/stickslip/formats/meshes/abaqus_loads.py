@@ -49,7 +49,7 @@ class LoadCards:
             nodes = self._find(card, "node", words[0], line)
             first = words[1].upper() if len(words) > 1 else ""
             if first in CONSTRAINED_DIRECTIONS:
-                self._raw.held.append(RawConstraint(nodes, CONSTRAINED_DIRECTIONS[first], line))
+                self._raw.constraints.append(RawConstraint(nodes, CONSTRAINED_DIRECTIONS[first], line))
                 continue
             start = card.label(first, line)
             stop = card.label(words[2], line) if len(words) > 2 and words[2] else start
@@ -60,7 +60,7 @@ class LoadCards:
                 continue
             if len(words) > 3 and words[3] and card.number(words[3], line) != 0.0:
                 self._moved.append(line)
-            self._raw.held.append(RawConstraint(nodes, tuple(range(start - 1, min(stop, 6))), line))
+            self._raw.constraints.append(RawConstraint(nodes, tuple(range(start - 1, min(stop, 6))), line))
 
     def _load(self, card: Card) -> None:
         if self._step > 1:

@@ -124,7 +124,7 @@ class _Reader:
         solid_nodes = set().union(*(block.cells.ravel().tolist() for block in raw.blocks))
         friction = {number: value for (number, label), (value, _) in self._constants.items() if label == "MU"}
         self._contacts.write(raw, solid_nodes, friction)
-        raw.held, raw.ties.equations = basic_constraints(raw.held, self._frames)
+        raw.constraints, raw.ties.equations = basic_constraints(raw.constraints, self._frames)
         raw.loads = basic_loads(raw.loads, self._frames)
         if self._moved:
             raw.messages.append(
@@ -279,7 +279,7 @@ class _Reader:
             return
         if any(entry.number(entry.word(position)) for position in (2, 3)):
             self._moved.append(entry.line)
-        self.raw.held.append(RawConstraint(np.array([node], dtype=np.int64), _DIRECTIONS[name], entry.line))
+        self.raw.constraints.append(RawConstraint(np.array([node], dtype=np.int64), _DIRECTIONS[name], entry.line))
 
     def _force(self, entry: Entry) -> None:
         node, name = entry.label(entry.word(0)), entry.word(1)

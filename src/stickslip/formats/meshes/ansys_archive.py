@@ -90,10 +90,10 @@ def _read_block(entry: Entry, text: list[str], at: int) -> int:
     if not (0 < whole <= _LARGEST_WIDTH and real <= _LARGEST_WIDTH and 0 < n_whole <= 40):
         entry.fail(f"the format {form[0]} is not one that Ansys writes.")
     expected = entry.whole(entry.word(2)) if entry.name == "CMBLOCK" else None
-    found = 0
+    count = 0
     at += 1
     while at < len(text):
-        if expected is not None and found >= expected:
+        if expected is not None and count >= expected:
             return at
         line = text[at].rstrip()
         if expected is None and (line.strip() == "-1" or line[:1].isalpha()):
@@ -101,9 +101,9 @@ def _read_block(entry: Entry, text: list[str], at: int) -> int:
         at += 1
         if line.strip():
             fields = _fields(line, n_whole, whole, real)
-            found += len(fields)
+            count += len(fields)
             entry.rows.append((at, fields))
-    if expected is None or found < expected:
+    if expected is None or count < expected:
         entry.fail("the file ends inside this block. Write the archive again.")
     return at
 

@@ -88,7 +88,7 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
 
 
 def _solid_share(raw: RawModel) -> Iterator[str]:
-    """How many of the elements are solid, if not all are."""
+    """The percentage of solid elements, if not all are solid."""
     if raw.other_elements:
         solid = sum(len(block.labels) for block in raw.blocks)
         total = solid + sum(raw.other_elements.values())
@@ -248,7 +248,7 @@ def _contains(sorted_labels: IntArray, wanted: IntArray) -> NDArray[np.bool_]:
 def _fixed(raw: RawModel, numbers: _NodeNumbers, n_nodes: int) -> IntArray:
     """Indices among the 3 * n_nodes displacements that the file constrains to zero."""
     constrained = np.zeros((n_nodes, 3), dtype=bool)
-    for each in raw.held:
+    for each in raw.constraints:
         displacements = [direction for direction in each.directions if direction < 3]
         constrained[numbers.of(each.nodes, each.line)[:, None], displacements] = True
     return np.flatnonzero(constrained)

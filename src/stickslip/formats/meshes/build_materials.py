@@ -70,7 +70,7 @@ def _material(body: RawBody, material: RawMaterial, elastic: np.ndarray, density
 
 
 def _temperature_messages(raw: RawModel, temperature: float | None) -> list[str]:
-    """What is used of constants that depend on temperature."""
+    """The values that are used of constants that depend on temperature."""
     used = {body.material for body in raw.bodies}
     names = [name for name, each in raw.materials.items() if name in used and each.depends_on_temperature]
     if not names:

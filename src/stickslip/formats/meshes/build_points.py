@@ -40,10 +40,10 @@ def build_points(
         if spring.other is not None:
             end = numbers(np.array([spring.other[0]], dtype=np.int64), spring.line)
             other = 3 * int(end[0]) + spring.other[1] if end.size else -2
-        found = mine if other != -2 else mine[:0]
-        springs += [(3 * int(node) + spring.direction, other) for node in found]
-        stiffnesses += [units.mass / units.time**2 * spring.stiffness] * found.size
-        lost_springs += spring.nodes.size - found.size
+        nodes = mine if other != -2 else mine[:0]
+        springs += [(3 * int(node) + spring.direction, other) for node in nodes]
+        stiffnesses += [units.mass / units.time**2 * spring.stiffness] * nodes.size
+        lost_springs += spring.nodes.size - nodes.size
     if lost_mass:
         messages.append(
             f"mass points with {lost_mass:.6g} kg in all are at nodes that belong to no solid (reference nodes of "

@@ -128,7 +128,7 @@ class _Writer:
 
     def fix(self) -> None:
         """Set the constrained displacements and rotations of reference nodes to zero."""
-        for each in self._raw.held:
+        for each in self._raw.constraints:
             for label in each.nodes.tolist():
                 for axis in each.directions:
                     if (label, axis) in self.equations.further:

@@ -72,7 +72,7 @@ class BulkCard:
         return value
 
     def numbers(self, start: int) -> list[int]:
-        """Whole numbers of the fields from ``start`` on, blanks left out; ``a THRU b`` gives a and all up to b."""
+        """Whole numbers of the fields from ``start`` on without blanks; ``a THRU b`` gives a and all up to b."""
         answer: list[int] = []
         words = [(position, word) for position, word in enumerate(self.fields) if position >= start and word]
         through = False

@@ -158,7 +158,7 @@ class _Binary:
 
     @staticmethod
     def written(parts: list[NDArray[Any]]) -> bytes:
-        """Numbers as such a section holds them."""
+        """Numbers as such a section contains them."""
         return b"".join(part.tobytes() for part in parts) + b"\n"
 
 
@@ -178,5 +178,5 @@ class _Text:
 
     @staticmethod
     def written(parts: list[NDArray[Any]]) -> bytes:
-        """Numbers as such a section holds them."""
+        """Numbers as such a section contains them."""
         return "\n".join(" ".join(map(repr, part.tolist())) for part in parts if part.size).encode() + b"\n"

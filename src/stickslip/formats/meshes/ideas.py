@@ -52,7 +52,7 @@ def read_ideas(source: Path) -> RawModel:
 
 
 def _data_sets(raw: RawModel) -> Iterator[tuple[int, int, Lines]]:
-    """Number, line and lines of each data set, which stands between two lines with -1."""
+    """Number, line and lines of each data set, which is between two lines with -1."""
     rows: Lines | None = None
     start = 0
     for at, line in enumerate(read_text(raw.source), start=1):

@@ -8,11 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stickslip.core.errors import ImportFileError
-from stickslip.core.validation import FloatArray
+from stickslip.core.short_repr import short_repr
+from stickslip.core.validation import FloatArray, argument_error
 from stickslip.formats.meshes.raw_contacts import RawContact
 from stickslip.formats.meshes.raw_model import LabelRange, shown_label
-from stickslip.structure.attachments import Attachments
-from stickslip.structure.elasticity import Material
+from stickslip.structure.attachments import Attachments, attach
+from stickslip.structure.constraints import eliminate
+from stickslip.structure.elasticity import Material, Structure, assemble_bodies
 from stickslip.structure.equations import Equations
 from stickslip.structure.mesh import IntArray, Mesh
 
@@ -67,6 +69,35 @@ class ImportedModel:
     attachments: Attachments | None = None
     messages: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+
+    __repr__ = short_repr
+
+    def assemble(self, materials: Mapping[str, Material] | None = None) -> Structure:
+        """Stiffness and mass of the model, with its constraints, ties, mass points and springs, without contact.
+
+        ``materials`` (body name -> material) are for bodies without one in the file, or replace those of the file.
+        Raises InputError for a body without a material, and for a name that is not that of a body.
+        """
+        given = {**self.materials, **(materials or {})}
+        bodies = ", ".join(self.mesh.body_names)
+        for name in given:
+            if name not in self.mesh.body_names:
+                raise argument_error("materials", f'materials has "{name}", but the bodies of the model are: {bodies}.')
+        for name in self.mesh.body_names:
+            if name not in given:
+                raise argument_error(
+                    "materials",
+                    f'the file has no material for the body "{name}". Give one: '
+                    f'assemble({{"{name}": Material(young_modulus=..., poisson_ratio=..., density=...)}}).',
+                )
+        tied = None if self.equations is None else eliminate(self.equations, self.fixed_unknowns)
+        solids = assemble_bodies(
+            self.mesh,
+            [given[name] for name in self.mesh.body_names],
+            fixed_unknowns=self.fixed_unknowns,
+            constraints=tied,
+        )
+        return attach(solids, self.attachments)
 
     def shown(self, label: int) -> str:
         """A node or element as in the file."""

@@ -76,7 +76,7 @@ def read_nastran(source: Path, includes_outside: bool = False) -> RawModel:
 
 
 def _frame_messages(raw: RawModel, labels: list[int]) -> Iterator[str]:
-    """How many grids of solids have directions of their own."""
+    """Number of grids of solids with directions of their own."""
     parts = [np.empty(0, dtype=np.int64), *(block.cells.ravel() for block in raw.blocks)]
     turned = np.intersect1d(labels, np.concatenate(parts))
     if turned.size:
@@ -180,7 +180,7 @@ class _Reader:
             *self._grids.permanent_constraints(),
         ]
         frames = self._grids.frames(raw, self._systems)
-        raw.held, raw.ties.equations = self._grids.in_basic_directions(raw, constrained, frames)
+        raw.constraints, raw.ties.equations = self._grids.in_basic_directions(raw, constrained, frames)
         self._ties.write(raw, self._case, {label: rows for label, (rows, _) in frames.items()})
         self._contact.write(raw, Elements(self._solids, self._shell_corners, self._of_property))
         self._points.write(set(frames))

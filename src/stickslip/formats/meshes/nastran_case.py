@@ -27,7 +27,7 @@ class CaseControl:
 
     @classmethod
     def of(cls, lines: list[str]) -> CaseControl:
-        """The case control of a file with these lines; comments ($) are left out."""
+        """The case control of a file with these lines; comments ($) are omitted."""
         end = start_of_bulk(lines)
         selected: dict[str, tuple[int, ...]] = {}
         for line in lines[:end]:

@@ -69,7 +69,7 @@ class Grids:
         return self._card_with_field(card, field).integer(field, 0)
 
     def _by_system(self, field: int) -> dict[int, list[int]]:
-        """Positions of the grids by the number of their system CP or CD, those in the basic system left out."""
+        """Positions of the grids by the number of their system CP or CD, without those in the basic system."""
         answer: dict[int, list[int]] = {}
         for at, card in enumerate(self._cards):
             number = self._system(card, field)

@@ -36,7 +36,7 @@ class _Joiner:
         self.lines: list[str] = []
         self.places = LinePositions()
         self._top, self._included = top, included
-        self._end: tuple[Path, int] | None = None  # where ENDDATA stands
+        self._end: tuple[Path, int] | None = None  # position of ENDDATA
 
     def take(self, source: Path, text: list[str], path: tuple[Path, ...]) -> None:
         """Append a file; ``path`` are the files that include it, the deck itself first."""

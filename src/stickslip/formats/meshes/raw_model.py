@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.core.errors import ImportFileError
 from stickslip.core.input_files import read_regular
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.raw_contacts import RawContact
 from stickslip.formats.meshes.raw_materials import RawMaterial as RawMaterial
@@ -23,12 +24,18 @@ LARGEST_LABEL = 2**31  # numbers of nodes and elements stay below
 
 @dataclass(frozen=True)
 class RawBlock:
-    """Solid elements of one kind: labels (m,), node labels (m, k) in VTK order, and lines (m,), 0 where unknown."""
+    """Solid elements of one ``kind`` of :class:`Mesh`, such as "tetra10".
+
+    ``labels`` (m,) are those of the elements, ``cells`` (m, k) those of their nodes in VTK order, ``lines`` (m,) their
+    lines in the file, 0 where unknown.
+    """
 
     kind: str
     labels: IntArray
     cells: IntArray
     lines: IntArray
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -49,13 +56,16 @@ class RawBody:
 class RawSides:
     """Sides of solids: ``side`` (0, 1, ...) of elements (k,), or every free side of them where it is None.
 
-    Alternatively ``corners`` are the corner nodes (k, 3 | 4) of sides, from shell elements or surface cells.
+    Alternatively ``corners`` are the corner nodes (k, 3 | 4) of sides, from shell elements or surface cells. ``line``
+    is that of the entry in the file, 0 if unknown.
     """
 
     line: int
     elements: IntArray | None = None
     side: int | None = None
     corners: IntArray | None = None
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -139,11 +149,44 @@ def shown_label(label: int, ranges: tuple[LabelRange, ...]) -> str:
 
 @dataclass
 class RawModel:
-    """All entries of a file. Node and element labels are those of the file, or of the equivalent flat file.
+    """All entries of a file, in its units. Labels are those of the file, or of the equivalent flat file.
 
-    Lines are those of ``source``; with ``places``, those of a text joined from several files. ``node_surfaces`` are
-    names of node sets that the file defines as surfaces, ``other_elements`` the number of elements of each type without
-    volume, and ``point_elements`` the node of each element of a distributing coupling.
+    A reader needs ``source``, ``format``, nodes and ``blocks``; all other fields are optional.
+
+    Parameters
+    ----------
+    source, format:
+        the file, and the name of its format for messages.
+    node_labels, coordinates, node_lines:
+        (n,) labels, (n, 3) positions, and (n,) lines of the nodes; 0 for a line that is unknown.
+    blocks:
+        the solid elements by kind.
+    node_sets, element_sets:
+        name -> labels (k,).
+    face_sets:
+        name -> sides of solids.
+    set_lines:
+        name of a set -> its line.
+    materials, bodies:
+        name -> material, and the elements of each body; without bodies, parts that share nodes are bodies.
+    constraints, loads:
+        displacements of zero, and forces on nodes.
+    ties, contacts:
+        linear equations between displacements, and contact pairs.
+    masses, springs:
+        mass points and springs at nodes.
+    node_surfaces:
+        names of node sets that the file defines as surfaces.
+    other_elements:
+        number of elements of each type without volume.
+    point_elements:
+        the node of each element of a distributing coupling.
+    messages:
+        messages on entries that were ignored.
+    places:
+        file and line of each line of a text that was joined from several files; None for lines of ``source``.
+    label_ranges:
+        labels of the nodes and elements of instances.
     """
 
     source: Path
@@ -158,7 +201,7 @@ class RawModel:
     set_lines: dict[str, int] = field(default_factory=dict)
     materials: dict[str, RawMaterial] = field(default_factory=dict)
     bodies: list[RawBody] = field(default_factory=list)
-    held: list[RawConstraint] = field(default_factory=list)
+    constraints: list[RawConstraint] = field(default_factory=list)
     loads: list[RawLoad] = field(default_factory=list)
     ties: RawTies = field(default_factory=RawTies)
     contacts: list[RawContact] = field(default_factory=list)
@@ -170,6 +213,8 @@ class RawModel:
     messages: list[str] = field(default_factory=list)
     places: LinePositions | None = None
     label_ranges: tuple[LabelRange, ...] = ()
+
+    __repr__ = short_repr
 
     def shown(self, label: int) -> str:
         """A node or element as the file writes it."""

@@ -40,7 +40,6 @@ _FORMATS: Registry[RawModel] = Registry(
         "med": _alone(read_med),
     },
 )
-register_model_format = _FORMATS.register
 # Advice for a file of another kind.
 _ADVICE = {
     **dict.fromkeys(
@@ -57,6 +56,16 @@ _ADVICE = {
     ),
     **dict.fromkeys((".toml", ".yaml", ".yml"), "It is a study file: give its mesh file, or use stickslip check"),
 }
+
+
+def register_model_format(name: str, reader: Reader) -> None:
+    """Register a reader of model files in this process, under the ending of its files without the dot, such as "neu".
+
+    ``reader(path, includes_outside)`` returns a :class:`RawModel` in the units of the file (docs/extending.md). A
+    package that is installed uses an entry point of the group ``stickslip.model_formats`` instead. Raises InputError
+    for the ending of another format.
+    """
+    _FORMATS.register(name, reader)
 
 
 def read_model(

@@ -115,15 +115,15 @@ def _nominal_force(case: TwoBladeCase, mass: float, centre: FloatArray) -> float
 
 def line_facts(case: TwoBladeCase) -> Iterator[Derived]:
     """Width, pressure and reference depths of the contact lines."""
-    found = contact_lines(case)
-    if found is None:
+    contact = contact_lines(case)
+    if contact is None:
         return
-    for name, line, load in zip(("left", "right"), found.lines, found.loads, strict=True):
-        force = load / found.length
+    for name, line, load in zip(("left", "right"), contact.lines, contact.loads, strict=True):
+        force = load / contact.length
         where = f"{name} line, straight, by Hertz"
         yield f"Force per length, {name} line", 1e-3 * force, "N/mm", "mean of the line"
         yield f"Width of the contact, {name} line", 2e6 * line.half_width(force), "µm", where
         yield f"Largest pressure, {name} line", 1e-6 * line.largest_pressure(force), "MPa", where
-    damper, blade = (1e3 * body.depth for body in found.lines[0].bodies)
+    damper, blade = (1e3 * body.depth for body in contact.lines[0].bodies)
     words = "of damper and blade, left line; the finite elements are the bodies beyond"
     yield "Reference depths of the contact stiffness", f"{damper:.3g} and {blade:.3g}", "mm", words

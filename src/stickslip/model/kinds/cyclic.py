@@ -18,12 +18,12 @@ from stickslip.core.plausible import suspecting
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.model.kinds.bladed_disk_mesh import LEFT, RIGHT, BladedDisk
 from stickslip.model.kinds.body_materials import body_materials
+from stickslip.model.kinds.entry import named_entry
 from stickslip.model.kinds.mesh import (
     PAIRS_FILE,
     MeshSetup,
     face_materials,
     fixed_unknowns_of,
-    named_entry,
     node_groups_of,
     pairing_facts,
     pairing_of,
@@ -33,9 +33,10 @@ from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.layout import Derived, Layout, NodeGroup
 from stickslip.model.overlap import require_single_joints
+from stickslip.model.rotation import free_body_messages, rotating_sector, speed_facts, speed_messages
 from stickslip.solve.excitation import TravellingWave
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
-from stickslip.structure.elasticity import Hexahedron, Material, assemble_bodies
+from stickslip.structure.elasticity import Hexahedron, Material
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import connected_parts, model_oddities
 from stickslip.structure.sector_boundaries import Axis, cyclic_symmetry, with_next_sector
@@ -67,6 +68,7 @@ class CyclicSetup:
 
     sector: MeshSetup
     symmetry: CyclicSymmetry
+    speed: float = 0.0  # rad/s
 
     @property
     def layout(self) -> Layout:
@@ -76,11 +78,11 @@ class CyclicSetup:
     def assemble(self) -> SectorStructure:
         """The matrices of the sector. Raises InputError."""
         setup = self.sector
-        structure = assemble_bodies(setup.mesh, setup.materials, setup.element, fixed_unknowns=setup.fixed_unknowns)
+        structure = setup.at_rest()
         with keys_of_section("structure"):
             sector = SectorStructure(structure, self.symmetry)
             _ = sector.model  # its constraints are those of both boundaries
-        return sector
+        return sector if not self.speed else rotating_sector(sector, self.speed)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """The sizes of the sector, and the disk."""
@@ -118,12 +120,14 @@ class CyclicKind(OwnKind[CyclicCase]):
             layout = _layout(both, symmetry, materials, pairings, groups)
             require_support(mesh, symmetry.own_nodes(layout.face_pairs.nodes), fixed, None, source)
             _require_free(symmetry, pairings, groups, fixed, source)
-        messages = (*source.messages, *layout.messages)
+        free = () if case.rotation is None else free_body_messages(mesh, fixed)
+        messages = (*source.messages, *layout.messages, *free)
         layout = replace(layout, odd_values=odd_values, messages=messages, body_names=mesh.body_names)
         element: Hexahedron = "incompatible"
         if isinstance(section, SectorMeshSection) and section.element is not None:
             element = section.element
-        return CyclicSetup(MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values())), symmetry)
+        sector = MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values()))
+        return CyclicSetup(sector, symmetry, self.rotation_speed(case))
 
     def find_layout(self, case: CyclicCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the sector; ``mesh`` must be that of :func:`set_up`."""
@@ -132,6 +136,10 @@ class CyclicKind(OwnKind[CyclicCase]):
             raise InputError("the structure belongs to another sector than the case.")
         return setup.layout
 
+    def rotation_speed(self, case: CyclicCase) -> float:
+        """rad/s; 0 where nothing rotates."""
+        return 0.0 if case.rotation is None else case.rotation.speed
+
     def wave(self, case: CyclicCase) -> TravellingWave:
         """How the forces travel round the disk."""
         section = case.travelling_wave
@@ -139,7 +147,7 @@ class CyclicKind(OwnKind[CyclicCase]):
         return TravellingWave(section.engine_order, section.direction)
 
     def facts(self, case: CyclicCase) -> tuple[Derived, ...]:
-        """What a travelling wave means for the numbers of the page."""
+        """What a travelling wave and the speed mean for the numbers of the page."""
         wave = self.wave(case)
         return (
             (
@@ -149,7 +157,12 @@ class CyclicKind(OwnKind[CyclicCase]):
                 f"{wave.direction} wave; all forces travel with it",
             ),
             ("Sectors", "all alike", "-", "amplitudes, energies and forces are those of each one, at another time"),
+            *speed_facts(self.rotation_speed(case)),
         )
+
+    def warnings(self, case: CyclicCase) -> tuple[str, ...]:
+        """What a rotation does not change."""
+        return tuple(speed_messages(self.rotation_speed(case), loads_follow=False))
 
     def _excitation_words(self, case: CyclicCase) -> list[str]:
         wave = self.wave(case)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Protocol, TypeVar
 
 from stickslip.case.case import Case
@@ -32,8 +33,11 @@ class Kind(Protocol[CaseT]):
     def rotation_speed(self, case: CaseT) -> float:
         """rad/s; 0 where nothing rotates."""
 
+    def load_sizes(self, case: CaseT) -> Mapping[str, tuple[float, ...]]:
+        """Sizes of each distributed static load of the layout, by the name of its section; N = unit load times size."""
+
     def static_forces(self, case: CaseT) -> tuple[GroupForce, ...]:
-        """The constant forces, beside rotation."""
+        """The constant forces, beside distributed loads."""
 
     def forces(self, case: CaseT) -> tuple[GroupForce, ...]:
         """The harmonic forces."""

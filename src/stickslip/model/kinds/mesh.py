@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,6 +19,8 @@ from stickslip.core.plausible import OddValue, suspecting
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
 from stickslip.model.kinds.body_materials import body_materials
+from stickslip.model.kinds.distributed_loads import load_sizes, unit_loads
+from stickslip.model.kinds.entry import named_entry
 from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.kinds.ties import (
@@ -33,13 +34,15 @@ from stickslip.model.kinds.ties import (
 from stickslip.model.layout import BaseMotionOfSupport, Derived, Layout, NodeGroup
 from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_joints
+from stickslip.model.rotation import Rotation, free_body_messages, rotating_bodies, speed_facts, speed_messages
 from stickslip.structure.attachments import Attachments, attach
-from stickslip.structure.body_load import centrifugal_load, translation_inertia
+from stickslip.structure.body_load import translation_inertia
 from stickslip.structure.constraints import Constraints
 from stickslip.structure.elasticity import Hexahedron, Material, Structure, assemble_bodies
 from stickslip.structure.faces import face_geometry
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import body_volumes, bounding_box, model_oddities
+from stickslip.structure.rotating import RotatingBodies
 
 PAIRS_FILE = "contact_pairs.vtu"
 
@@ -56,9 +59,15 @@ class MeshSetup:
     pairings: tuple[Pairing, ...]
     constraints: Constraints | None = None
     attachments: Attachments | None = None
+    rotation: Rotation | None = None
 
-    def assemble(self) -> Structure:
-        """Matrices of all bodies, with the mass points and springs of the file."""
+    def assemble(self) -> Structure | RotatingBodies:
+        """Matrices of all bodies, at the speed of a rotation. Raises InputError for a speed that is too high."""
+        masses = None if self.attachments is None else self.attachments.masses
+        return rotating_bodies(self.at_rest(), self.rotation, masses)
+
+    def at_rest(self) -> Structure:
+        """Matrices of all bodies at rest, with the mass points and springs of the file."""
         solids = assemble_bodies(
             self.mesh,
             self.materials,
@@ -140,8 +149,8 @@ class MeshKind(OwnKind[MeshCase]):
                 layout = replace(
                     layout, messages=(*layout.messages, *ties.messages), facts=(*layout.facts, *ties.facts)
                 )
-        element = case.structure.element or "incompatible"
-        return MeshSetup(mesh, materials, fixed, element, layout, pairings, constraints, source.attachments)
+        element, rotation = case.structure.element or "incompatible", _rotation(case)
+        return MeshSetup(mesh, materials, fixed, element, layout, pairings, constraints, source.attachments, rotation)
 
     def find_layout(self, case: MeshCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the file; ``mesh`` must be that of :func:`set_up`."""
@@ -153,6 +162,28 @@ class MeshKind(OwnKind[MeshCase]):
     def rotation_speed(self, case: MeshCase) -> float:
         """rad/s; 0 where nothing rotates."""
         return 0.0 if case.rotation is None else case.rotation.speed
+
+    def facts(self, case: MeshCase) -> tuple[Derived, ...]:
+        """The effects of the speed."""
+        has_coriolis = case.rotation is not None and case.rotation.coriolis
+        return (*super().facts(case), *speed_facts(self.rotation_speed(case), has_coriolis))
+
+    def warnings(self, case: MeshCase) -> tuple[str, ...]:
+        """What a rotation does not change."""
+        has_coriolis = case.rotation is not None and case.rotation.coriolis
+        solved = case.preload.method == "solved"
+        words = speed_messages(self.rotation_speed(case), solved, has_coriolis, "; rotation.coriolis = true adds them")
+        return (*super().warnings(case), *words)
+
+    def load_sizes(self, case: MeshCase) -> Mapping[str, tuple[float, ...]]:
+        """Sizes of rotation, gravity and pressures."""
+        return load_sizes(case)
+
+    def _distributed_words(self, case: MeshCase) -> list[str]:
+        words = [f"{each.pressure:g} Pa on {name}" for name, each in case.pressures.items()]
+        words += [] if case.gravity is None else [f"gravity of {case.gravity.acceleration:g} m/s^2"]
+        speed = self.rotation_speed(case)
+        return words + ([f"rotation at {speed:g} rad/s"] if speed else [])
 
     def base_motion(self, case: MeshCase) -> BaseMotionOfSupport | None:
         """The motion of all constrained nodes."""
@@ -166,16 +197,6 @@ def read_source(section: MeshFileSection) -> ImportedModel:
         return read_model(
             section.file, section.length_unit, section.unit_system, bool(section.includes_outside), section.temperature
         )
-
-
-@contextmanager
-def named_entry(name: str) -> Iterator[None]:
-    """Put the entry of the study file before the message of an InputError, and set its keys."""
-    try:
-        with concerning(name):
-            yield
-    except InputError as error:
-        raise error.reworded(f"{name}: {error}") from error
 
 
 def fixed_unknowns_of(fixed: Sequence[str], source: ImportedModel) -> IntArray:
@@ -224,10 +245,6 @@ def _layout(
     fixed, constraints = constrained
     pairs = FacePairs.concatenate([each.pairs for each in pairings])
     masses = None if source.attachments is None else source.attachments.masses
-    body_load = None
-    if case.rotation is not None:
-        turn = case.rotation
-        body_load = centrifugal_load(mesh, materials, np.array(turn.axis), np.array(turn.point), masses)
     base_inertia = None
     if case.base_motion is not None:
         if not fixed.size:
@@ -245,7 +262,7 @@ def _layout(
     messages = (
         *source.messages,
         *_unused_forces(source),
-        *_stiffness_at_rest(case),
+        *(() if case.rotation is None else free_body_messages(mesh, supported, constraints)),
         *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
     )
     return Layout(
@@ -253,13 +270,14 @@ def _layout(
         names,
         tuple(face_materials(mesh, materials, each) for each in pairings),
         node_groups,
-        body_load,
+        unit_loads(case, mesh, materials, masses, fixed),
         base_inertia,
         tuple(pairing_facts(names, pairings)),
         messages,
         mesh.body_names,
         tuple((each.first,) if each.second == GROUND else (each.first, each.second) for each in pairings),
         odd_values,
+        file_numbers=(source.node_labels, source.element_labels),
     )
 
 
@@ -269,14 +287,11 @@ def pairing_facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator
             yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "from the pairing of the faces"
 
 
-def _stiffness_at_rest(case: MeshCase) -> Iterator[str]:
-    if case.rotation is not None:
-        speed_rpm = case.rotation.speed * 60.0 / (2.0 * np.pi)
-        yield (
-            f"[rotation] at {speed_rpm:.4g} rpm loads the joint. The structure has its stiffness at rest, without "
-            "stress stiffening, spin softening and Coriolis forces, which raise or lower its frequencies. In Python, "
-            "stickslip.rotating computes them (docs/theory_rotation.md)."
-        )
+def _rotation(case: MeshCase) -> Rotation | None:
+    section = case.rotation
+    if section is None:
+        return None
+    return Rotation(section.speed, np.array(section.axis), np.array(section.point), section.coriolis, section.top_speed)
 
 
 def _unused_forces(source: ImportedModel) -> Iterator[str]:

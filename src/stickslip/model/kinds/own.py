@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -144,6 +145,10 @@ class OwnKind(Generic[OwnCaseT]):
         """rad/s; 0 where nothing rotates."""
         return 0.0
 
+    def load_sizes(self, case: OwnCaseT) -> Mapping[str, tuple[float, ...]]:
+        """None: only meshes have distributed loads."""
+        return {}
+
     def force_amplitude(self, case: OwnCaseT) -> float:
         """N of the largest force, or the size of what excites the structure instead, in its SI unit."""
         motion = self.base_motion(case)
@@ -191,11 +196,15 @@ class OwnKind(Generic[OwnCaseT]):
             words.append(f"base {motion.kind} {motion.amplitude:g} {unit}")
         return words
 
+    def _distributed_words(self, case: OwnCaseT) -> list[str]:
+        """The distributed static loads in words."""
+        return []
+
     def _preload_words(self, case: OwnCaseT) -> str:
         """What a preload that no interface gives comes from."""
-        section, speed = case.preload, self.rotation_speed(case)
+        section = case.preload
         if section.method == "prescribed":
             return "" if section.values is None else " Prescribed preload."
         loads = [f"{each.force:g} N at {name}" for name, each in case.static_loads.items()]
-        loads += [f"rotation at {speed:g} rad/s"] if speed else []
+        loads += self._distributed_words(case)
         return f" Preload solved from {' and '.join(loads)}, tractions at rest {section.residual_traction}."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,16 +22,20 @@ from stickslip.model.kinds.damper_words import damper_facts, damper_warnings
 from stickslip.model.kinds.dimensions import about_dimensions, elements_of, geometry_of
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.model.layout import Derived, Direction, GroupForce, GroupUnbalance, Layout, NodeGroup, Output
+from stickslip.model.rotation import Rotation, rotating_bodies, speed_facts, speed_messages
 from stickslip.model.rough_face import case_material
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.model_facts import material_oddities, size_oddities, wave_oddities
+from stickslip.structure.rotating import RotatingBodies
+from stickslip.structure.rotating_superelement import RPM
 
 FACES = (("damper_left_face", "left_face"), ("damper_right_face", "right_face"))
 FACE_NAMES = ("left face", "right face")
 BODY_NAMES = ("left blade", "right blade", "damper")
 AXES: dict[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+SAME_SPEED = 1e-6  # chosen: relative difference of two speeds that is that of their units
 # Node sets of one node where forces act (N1, N2) and displacements are read (A, the middles of the damper's faces).
 NODE_GROUPS = ("excitation_left", "excitation_right", "response", "damper_left_mid", "damper_right_mid")
 # The ends of the damper's flat bottom, where a static force F_N acts, half at each.
@@ -45,10 +50,11 @@ class TwoBladeSetup:
     material: Material
     element: Element
     layout: Layout
+    rotation: Rotation | None = None
 
-    def assemble(self) -> Structure:
-        """Matrices of the mesh."""
-        return assemble(self.mesh, self.material, element=self.element)
+    def assemble(self) -> Structure | RotatingBodies:
+        """Matrices of the mesh, at the speed of a rotation. Raises InputError for a speed that is too high."""
+        return rotating_bodies(assemble(self.mesh, self.material, element=self.element), self.rotation)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Elements and nodes."""
@@ -65,7 +71,8 @@ class TwoBladeKind:
     def set_up(self, case: TwoBladeCase) -> TwoBladeSetup:
         """Mesh, contact pairs and ports. Raises InputError for a geometry that does not fit."""
         mesh = build_mesh(case)
-        return TwoBladeSetup(mesh, case_material(case), case.mesh.element, self.find_layout(case, mesh))
+        layout = self.find_layout(case, mesh)
+        return TwoBladeSetup(mesh, case_material(case), case.mesh.element, layout, _rotation(case))
 
     def find_layout(self, case: TwoBladeCase, mesh: Mesh) -> Layout:
         """Contact pairs of both faces, left face first, and the places of forces and responses."""
@@ -77,11 +84,10 @@ class TwoBladeKind:
         material = case_material(case)
         if _static_force(case):
             node_groups |= {name: _edge_group(mesh, name) for name in EDGES}
-        body_load = None
+        unit_loads = {}
         if case.rotation is not None:
-            body_load = centrifugal_load(
-                mesh, [material] * 3, np.array(case.rotation.axis), np.array(case.rotation.point)
-            )
+            axis, point = np.array(case.rotation.axis), np.array(case.rotation.point)
+            unit_loads["rotation"] = centrifugal_load(mesh, [material] * 3, axis, point)[:, None]
         odd_values = (
             *size_oddities(mesh.points),
             *material_oddities("the material", material, "its unit", "material"),
@@ -92,7 +98,7 @@ class TwoBladeKind:
             FACE_NAMES,
             ((material, material),) * len(FACES),
             node_groups,
-            body_load,
+            unit_loads,
             body_names=BODY_NAMES,
             contact_sets=FACES if lines is None else ((),) * len(FACES),
             odd_values=odd_values,
@@ -147,6 +153,10 @@ class TwoBladeKind:
     def rotation_speed(self, case: TwoBladeCase) -> float:
         """rad/s; 0 where nothing rotates."""
         return 0.0 if case.rotation is None else case.rotation.speed
+
+    def load_sizes(self, case: TwoBladeCase) -> Mapping[str, tuple[float, ...]]:
+        """Speed squared in 1/s2."""
+        return {} if case.rotation is None else {"rotation": (case.rotation.speed**2,)}
 
     def static_forces(self, case: TwoBladeCase) -> tuple[GroupForce, ...]:
         """Half of F_N at each end of the damper's bottom, where the preload is solved; else the wedge's is known."""
@@ -205,12 +215,14 @@ class TwoBladeKind:
         return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {friction:g}."
 
     def facts(self, case: TwoBladeCase) -> tuple[Derived, ...]:
-        """Load, mass and lock-up of the damper; the contact lines of a cylinder."""
-        return (*damper_facts(case), *line_facts(case))
+        """Load, mass and lock-up of the damper; the contact lines of a cylinder; the effects of the speed."""
+        return (*damper_facts(case), *line_facts(case), *speed_facts(self.rotation_speed(case)))
 
     def warnings(self, case: TwoBladeCase) -> tuple[str, ...]:
-        """A damper that friction locks."""
-        return tuple(damper_warnings(case))
+        """A damper that friction locks; what a rotation does not change."""
+        speed, of_damper = self.rotation_speed(case), case.preload.speed_of_rotation
+        follows = case.preload.method == "solved" or of_damper is not None
+        return (*damper_warnings(case), *speed_messages(speed, follows), *_two_speeds(speed, of_damper))
 
     def rough_face_size(self, case: TwoBladeCase) -> tuple[float, float]:
         """m along and across the contact face, for a picture of it."""
@@ -223,6 +235,22 @@ def build_mesh(case: TwoBladeCase) -> Mesh:
     with about_dimensions():
         mesh = blade_pair_mesh(geometry, elements)
     return mesh.quadratic() if case.mesh.element == "serendipity" else mesh
+
+
+def _two_speeds(speed: float, of_damper: float | None) -> Iterator[str]:
+    """A message on the load of a damper at another speed (rad/s) than that of the blades."""
+    if speed and of_damper is not None and abs(of_damper - speed) > SAME_SPEED * speed:
+        yield (
+            f"preload.speed_of_rotation is {of_damper / RPM:.6g} rpm, but rotation.speed is {speed / RPM:.6g} rpm: the "
+            "load of the damper and the stiffness of the blades are those of different speeds. Give the same speed."
+        )
+
+
+def _rotation(case: TwoBladeCase) -> Rotation | None:
+    section = case.rotation
+    if section is None:
+        return None
+    return Rotation(section.speed, np.array(section.axis), np.array(section.point), top_speed=section.top_speed)
 
 
 def _static_force(case: TwoBladeCase) -> float:

@@ -1,4 +1,4 @@
-"""What our choices do to the verdicts: every claim judged again with one of them changed, low and high."""
+"""The effect of the choices of this study on the verdicts: each claim with one of them changed, low and high."""
 
 from __future__ import annotations
 

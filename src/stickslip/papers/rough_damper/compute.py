@@ -11,7 +11,8 @@ from threadpoolctl import threadpool_limits
 from stickslip.core.errors import ResultsFileError, StickslipError
 from stickslip.core.files import write_solved
 from stickslip.core.progress import Progress
-from stickslip.model.model import ReducedStructure, connect, load_joint, set_up
+from stickslip.model.model import connect, load_joint, set_up
+from stickslip.model.study_structure import ReducedStructure
 from stickslip.papers.rough_damper.plan import Computation, Setting
 from stickslip.papers.rough_damper.records import Solved, record
 from stickslip.study.analyses import solve
@@ -46,7 +47,7 @@ class Computed:
 
     solved: tuple[Solved, ...]
     failures: tuple[Failure, ...]
-    found: int
+    reused: int
     notices: tuple[str, ...]
 
 
@@ -66,7 +67,7 @@ def compute(plan: Sequence[Computation], out: Path, workers: int, progress: Prog
         with local_executor(workers) as executor:
             Schedule(executor, lambda: executor.tasks_at_a_time, run.finish, run.fail, solve_setting).run(groups)
     solved = tuple(run.solved[each.planned.key] for each in plan if each.planned.key in run.solved)
-    return Computed(solved, tuple(run.failures), run.found, tuple(run.notices))
+    return Computed(solved, tuple(run.failures), run.reused, tuple(run.notices))
 
 
 def solve_setting(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
@@ -92,7 +93,7 @@ class _Run:
         self.solved: dict[str, Solved] = {}
         self.failures: list[Failure] = []
         self.notices: list[str] = []
-        self.found = 0
+        self.reused = 0
 
     def _file(self, planned: PlannedCase) -> Path:
         return self._folder / f"{planned.name}.npz"
@@ -108,7 +109,7 @@ class _Run:
             except (OSError, ResultsFileError) as error:
                 problem = f"{error.strerror}." if isinstance(error, OSError) else error
                 self.notices.append(f'"{file}" is not used: {problem} This curve is computed again.')
-        self.found = len(self.solved)
+        self.reused = len(self.solved)
 
     def check(self) -> list[StructureGroup]:
         """Joints of the remaining cases, grouped by structure; a joint without stiffness is a failure at once."""
@@ -138,7 +139,7 @@ class _Run:
         else:
             self.failures.append(Failure(self._setting[planned.key], outcome.message))
         done, total = len(self.solved) + len(self.failures), len(self._plan)
-        self._progress.update("Curves", done / total, f"{done} of {total}, {self.found} from an earlier run")
+        self._progress.update("Curves", done / total, f"{done} of {total}, {self.reused} from an earlier run")
 
     def fail(self, planned: PlannedCase, error: BaseException) -> None:
         """A computation that ended with another exception; it is tried again by the next run."""

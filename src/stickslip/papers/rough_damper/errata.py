@@ -1,4 +1,4 @@
-"""What is printed wrong or not at all in the article's equations, what stands here instead, and its effect."""
+"""Errors and gaps of the article's equations, the form that is used here instead, and its effect."""
 
 from __future__ import annotations
 

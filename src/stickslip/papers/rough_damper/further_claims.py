@@ -25,8 +25,8 @@ SMALL, STEADY = 0.5, 0.1
 
 def _two_peaks(one: Solved) -> tuple[float, float] | None:
     """m, the first and the last peak by frequency; None with less than two."""
-    found = one.peaks()
-    return (found[0][1], found[-1][1]) if len(found) >= 2 else None
+    tops = one.peaks()
+    return (tops[0][1], tops[-1][1]) if len(tops) >= 2 else None
 
 
 def second_peak_is_small(solutions: Solutions) -> list[Answer]:

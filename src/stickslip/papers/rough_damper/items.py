@@ -1,4 +1,4 @@
-"""What the items of the page share: their form, and which curves they are made of."""
+"""Common parts of the items of the page: their form, and their curves."""
 
 from __future__ import annotations
 
@@ -76,8 +76,8 @@ def judged(solutions: Solutions, *names: str) -> tuple[tuple[str, Judgement], ..
 
 def seen(solutions: Solutions, reading: str) -> list[Solved]:
     """The curves as a reading sees them, without those that it does not see at all."""
-    found = (one.seen_by(reading) for one in solutions)
-    return [one for one in found if one is not None]
+    answers = (one.seen_by(reading) for one in solutions)
+    return [one for one in answers if one is not None]
 
 
 def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:

@@ -21,7 +21,7 @@ TITLE = "Interface roughness and an under-platform damper"
 DESCRIPTION = (
     "The results of the 2023 article on interface roughness and under-platform dampers, computed again with an "
     "inferred geometry: Tables 1 and 2, Figures 2, 4 and 7 to 15, and the conclusions. Table 3 (inputs) and the "
-    "schematics (Figures 1, 3, 5, 6) are left out. Verdicts follow from the numbers of this run."
+    "schematics (Figures 1, 3, 5, 6) are omitted. Verdicts follow from the numbers of this run."
 )
 _CLASS = {
     Verdict.HOLDS: "holds",

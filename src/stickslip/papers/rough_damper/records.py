@@ -1,4 +1,4 @@
-"""What is kept of one curve: plain arrays and labels, in a small file that is written whole or not at all."""
+"""The stored data of one curve: plain arrays and labels, in a small file that is written whole or not at all."""
 
 from __future__ import annotations
 
@@ -24,8 +24,6 @@ from stickslip.results.peaks import Peak, half_power_width, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 
-# Readings of a curve: all of it, a slow sweep up, a slow sweep down.
-READINGS = ("curve", "up", "down")
 # chosen: fraction of the largest motion, and of the friction limit, below which a difference is round-off.
 LEAST_SLIP = 1e-6
 SHOWN_PLACES = ("lower edge", "middle", "upper edge")
@@ -185,8 +183,8 @@ def record(
     """What is kept of a solved case: the curve at its highest peak, and what slow sweeps see where that differs."""
     tip = next(iter(model.outputs.values()))
 
-    def reading(found: Sequence[Peak], points: NDArray[np.int64]) -> Solved:
-        return _reading(setting, model, response, mode_table, warnings, found, points)
+    def reading(tops: Sequence[Peak], points: NDArray[np.int64]) -> Solved:
+        return _reading(setting, model, response, mode_table, warnings, tops, points)
 
     everything = np.arange(response.n_points)
     whole = reading(peaks(response.frequency_hz, response.amplitude(tip), response.part), everything)
@@ -204,12 +202,12 @@ def _reading(
     response: ForcedResponse,
     mode_table: Sequence[Any],
     warnings: Sequence[str],
-    found: Sequence[Peak],
+    tops: Sequence[Peak],
     points: NDArray[np.int64],
 ) -> Solved:
     """The points of a curve and its state at the first of the peaks ``found``."""
     tip = next(iter(model.outputs.values()))
-    amplitude, peak = response.amplitude(tip), found[0]
+    amplitude, peak = response.amplitude(tip), tops[0]
     stuck = peaks(response.linear.frequency_hz, response.linear_amplitude(tip, "stuck"))[0]
     face_pairs, point = model.joint.face_pairs, peak.point
     energy, counts = response.friction_energy.sum(axis=1), state_counts(response.contact_state)
@@ -240,7 +238,7 @@ def _reading(
         [response.signal(model.outputs[f"damper {side} {axis}"], point, response.samples) for axis in "xyz"]
         for side in ("left", "right")
     ]
-    inside = [(each.frequency_hz, each.amplitude) for each in found if each.bracketed]
+    inside = [(each.frequency_hz, each.amplitude) for each in tops if each.bracketed]
     return Solved(
         setting=setting,
         numbers=numbers,

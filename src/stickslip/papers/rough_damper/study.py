@@ -43,7 +43,7 @@ class PaperOutcome:
 
     files: tuple[Path, ...]
     curves: int
-    found: int
+    reused: int
     failures: tuple[Failure, ...]
     verdicts: dict[Verdict, int]
     notices: tuple[str, ...]
@@ -92,7 +92,7 @@ def _written(folder: Path, scope: Scope, computed: Computed, listener: Progress)
     listener.update("Files", 1.0, PAGE_FILE)
     files = [page, *files, *(file for written in drawn.values() for file in written)]
     return PaperOutcome(
-        tuple(files), len(computed.solved), computed.found, computed.failures, verdicts, computed.notices
+        tuple(files), len(computed.solved), computed.reused, computed.failures, verdicts, computed.notices
     )
 
 

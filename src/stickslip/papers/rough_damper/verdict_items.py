@@ -19,7 +19,7 @@ from stickslip.papers.rough_damper.verdicts import Answer, Judgement, Verdict
 _SUMMARY_LINES = {Verdict.DOES_NOT_HOLD: 4, Verdict.HOLDS_IF: 3, Verdict.UNDECIDED: 1}
 # What the study does not compute.
 LEFT_OUT = (
-    "Left out: Table 3, which lists dimensions and material of the blade (inputs, see E29), and the schematics: Figure "
+    "Omitted: Table 3, which lists dimensions and material of the blade (inputs, see E29), and the schematics: Figure "
     "1 (the structure), Figure 3 (the friction element), Figure 5 (the three excitations) and Figure 6 (positions of "
     "the nodes)."
 )

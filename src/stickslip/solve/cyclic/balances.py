@@ -87,6 +87,10 @@ class SectorBalances:
         "equations of a sector contain only those of the excitation."
     )
 
+    no_static_mode: ClassVar[str] = (
+        "for a sector of a disk, the excitation at which nearly all pairs slip is not computed."
+    )
+
     @property
     def pairs(self) -> ContactPairs:
         """The pairs of the mean; those of results are :attr:`shown_pairs`."""
@@ -195,7 +199,7 @@ def sector_balances(
     if only_friction_supports(mean_of(sector), pairs_on_mean(pairs)):
         # The stuck pairs of such a body carry its mean load: only they know where it is.
         pairs = pairs.retaining()
-    force = _force_on(sector, excitation, wave, harmonics)
+    force = force_on_sector(sector, excitation, wave, harmonics)
     stiffest, heaviest = sector.lagged(0).stiffness, sector.lagged(0).mass
     sides = np.hsplit(pairs.operator, 2)
     elastic, inertial = (sum(resistance(side, matrix) for side in sides) for matrix in (stiffest, heaviest))
@@ -249,8 +253,13 @@ def _require_diameters(sector: CyclicSector, wave: TravellingWave, harmonics: in
         )
 
 
-def _force_on(sector: CyclicSector, excitation: Excitation, wave: TravellingWave, harmonics: int) -> ExcitationForce:
-    """The force on this sector, with (n,) or (2n,) unknowns: that on the next sector comes from it one lag earlier."""
+def force_on_sector(
+    sector: CyclicSector, excitation: Excitation, wave: TravellingWave, harmonics: int
+) -> ExcitationForce:
+    """The force on this sector, with (n,) or (2n,) unknowns: that on the next sector comes from it one lag earlier.
+
+    Raises InputError for another number of unknowns, and for more harmonics than ``harmonics``.
+    """
     rows = excitation.parts[0].cos.shape[0]
     size = sector.size if rows != 2 * sector.size else rows
     terms = excitation.terms_on(sector, size, harmonics)

@@ -71,7 +71,7 @@ class ResolutionCheck:
             if self.limited:
                 remedy = (
                     "More harmonics of so many moving pairs exceed the limit of the work. Run again with a coarser "
-                    f"accuracy, or with fixed harmonics = {2 * harmonics}, which takes long."
+                    f"accuracy, or with fixed harmonics = {2 * harmonics}, which requires much time."
                 )
             sentences.append(
                 f"The accuracy of {100 * self.accuracy:.3g} % is not reached: the estimated error by neglected "

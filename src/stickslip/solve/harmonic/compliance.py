@@ -28,6 +28,7 @@ from stickslip.solve.harmonic.damping import (
 )
 from stickslip.solve.harmonic.gain import CoupledGain, DiagonalGain, ModalGain, SelfExcitation
 from stickslip.solve.harmonic.harmonic_modes import HarmonicModes, IndexArray, NewtonOperator, SharedModes
+from stickslip.solve.harmonic.operator_products import times
 from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest, restrained
 from stickslip.structure.superelement import Superelement
 
@@ -213,12 +214,12 @@ class StuckStructure:
     @cached_property
     def contact_modes(self) -> FloatArray:
         """(m, n) relative displacements of the modes, for every number of harmonics."""
-        return np.asarray(self.pairs.operator @ self.modes)
+        return times(self.pairs.operator, self.modes)
 
     @cached_property
     def mean_contact(self) -> FloatArray:
         """(m, m) compliance of the pairs on the mean."""
-        return np.asarray(self.pairs.operator @ self.mean.solve(self.pairs.operator.T))
+        return np.ascontiguousarray(times(self.pairs.operator, self.mean.solve(self.pairs.operator.T)))
 
     def compliance(self, harmonics: int, near_range: float = NEAR_RANGE) -> Compliance:
         """The compliance for a number of harmonics; modes above ``near_range`` are springs in Newton's matrix."""

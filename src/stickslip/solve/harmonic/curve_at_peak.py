@@ -22,6 +22,7 @@ from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
 
+# chosen: digits of a tangent; differences of neighbouring places are derivatives, so they are more than in peak.py.
 TANGENT_TOLERANCE = 1e-10
 
 

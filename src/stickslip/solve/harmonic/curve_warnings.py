@@ -98,7 +98,7 @@ def excursion_warning(frequency_hz: FloatArray, window_hz: tuple[float, float]) 
         return ()
     far = float(outside[np.abs(outside - window_hz[0]).argmax()])
     return (
-        f"The curve leaves the range through its start, goes to {far:.3f} Hz, folds and comes back; its points outside "
+        f"The curve leaves the range through its start, goes to {far:.3f} Hz, folds and returns; its points outside "
         "of the range are part of it, and peaks and slow sweeps count them. Start the range beyond that fold for a "
         "curve without them.",
     )
@@ -126,7 +126,7 @@ def neighbour_warnings(
 
 
 def _crossing_words(crossings: Sequence[Crossing]) -> str:
-    """Where the branch was lost and went on, how far beyond, and what was left out."""
+    """The positions where the branch was lost, the distances to its continuation, and the omitted parts."""
     farthest = max(abs(each.after - each.before) for each in crossings) / (2.0 * np.pi)
     words = (
         f"Near {_places(each.before / (2.0 * np.pi) for each in crossings)} Hz the solver lost the curve in corners "
@@ -136,7 +136,7 @@ def _crossing_words(crossings: Sequence[Crossing]) -> str:
     left_out = [each for each in crossings if each.left_out is not None]
     if left_out:
         words += (
-            " Parts of the curve that begin there and have no end are left out; their motion is at most "
+            " Parts of the curve that begin there and have no end are omitted; their motion is at most "
             f"{max(each.highest for each in left_out):.4g} times as large as at their begin."
         )
     return f"{words} Twice the samples make corners smaller."
@@ -170,7 +170,7 @@ def _drift(balance: Balance, trials: Sequence[Trial]) -> tuple[str, ...]:
     remedy = ""
     if balance.pairs.released:
         remedy = (
-            ', or solve the preload and keep its tractions (preload.method = "solved", residual_traction = "kept"), '
+            ', or solve the preload and retain its tractions (preload.method = "solved", residual_traction = "kept"), '
             "which then support it"
         )
     return (

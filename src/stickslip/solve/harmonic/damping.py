@@ -1,4 +1,4 @@
-"""Viscous damping: modal ratios, Rayleigh, or a full matrix, and which of them the stuck modes diagonalise."""
+"""Viscous damping: modal ratios or a full matrix, and which of them the stuck modes diagonalise."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import scipy.linalg
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
-from stickslip.structure.superelement import Superelement, require_rayleigh_factors
+from stickslip.solve.harmonic.operator_products import with_springs
+from stickslip.structure.superelement import Superelement
 
 # chosen: modal damping ratios apply up to this multiple of the highest excitation frequency, which includes the excited
 # modes and their harmonics but not modes that only deform the joint.
@@ -17,8 +18,7 @@ DAMPED_RANGE = 20.0
 
 def stuck_stiffness_matrix(superelement: Superelement, pairs: ContactPairs) -> FloatArray:
     """``K + B^T diag(k_t1, k_t2, k_n) B`` (n, n): every pair that is closed at rest is stuck, the others are open."""
-    operator = pairs.operator
-    return superelement.stiffness + operator.T @ (pairs.resting_stiffness()[:, None] * operator)
+    return superelement.stiffness + with_springs(pairs.operator, pairs.resting_stiffness())
 
 
 def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -57,15 +57,6 @@ def modal_damping_matrix(mass: FloatArray, modes: FloatArray, modal: FloatArray)
     """``C = M phi diag(modal) phi^T M`` (n, n) N s/m for mass-normalised ``phi``."""
     weighted = mass @ modes
     return np.asarray((weighted * modal) @ weighted.conj().T)
-
-
-def rayleigh_damping_matrix(superelement: Superelement, mass_factor: float, stiffness_factor: float) -> FloatArray:
-    """``C = mass_factor M + stiffness_factor K`` (n, n) N s/m; the springs of the contact are not in K.
-
-    ``mass_factor`` in 1/s and ``stiffness_factor`` in s, both not negative; InputError otherwise.
-    """
-    require_rayleigh_factors(mass_factor, stiffness_factor)
-    return mass_factor * superelement.mass + stiffness_factor * superelement.stiffness
 
 
 def diagonal_modal_damping(damping: FloatArray, modes: FloatArray, tolerance: float = 1e-9) -> FloatArray | None:

@@ -16,7 +16,7 @@ Product = Callable[[FloatArray], FloatArray]
 
 
 class Inverse(Protocol):
-    """What solves a system, exactly or nearly."""
+    """A solver of a linear system, exact or approximate."""
 
     def solve(self, right: FloatArray) -> FloatArray:
         """The solution (n,) for a right-hand side."""

@@ -65,7 +65,7 @@ def times_gain(gain: ComplexArray, coefficients: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class SelfExcitation:
-    """What sustains a free vibration (docs/theory_modes.md).
+    """The self-excitation that sustains a free vibration (docs/theory_modes.md).
 
     growth:
         1/s, the coefficient xi of the damping ``-xi M`` that is added to the structure.

@@ -47,6 +47,11 @@ class Limit(Protocol):
         """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is zero."""
 
 
+def elastic_hz(limit: Limit) -> FloatArray:
+    """Hz, rising: the natural frequencies of a limit without motions of free bodies."""
+    return limit.natural_hz[~limit.rigid]
+
+
 @dataclass(frozen=True)
 class Resonant:
     """Natural frequencies, and the motions in them: the modes, or whirling ones if Coriolis forces couple these.

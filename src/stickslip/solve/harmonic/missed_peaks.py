@@ -37,7 +37,7 @@ class MissedPeak:
 
 @dataclass(frozen=True)
 class PeakCheck:
-    """What the search looked for, and what it found."""
+    """The extent of the search, and its result."""
 
     natural_frequencies: int
     narrowest_hz: float  # smallest half-power width

@@ -49,7 +49,7 @@ LEAST_WIDTH = 1e-6
 
 @dataclass(frozen=True)
 class Neglected:
-    """What the neglected harmonics would change at a point.
+    """The change of a point by the neglected harmonics.
 
     error:
         distance to the curve with more harmonics, relative.
@@ -97,7 +97,7 @@ def more_harmonics(harmonics: int, samples: int, damped: int | None = None) -> i
     """The number of harmonics of an estimate; ``samples`` of a period resolve no more than their half.
 
     Harmonics above those that are ``damped``, if given, meet modes without damping: their resonances, which are
-    properties of the model and not of the structure, are left out.
+    properties of the model and not of the structure, are omitted.
     """
     more = harmonics + max(harmonics, LEAST_MORE)
     if damped is not None:

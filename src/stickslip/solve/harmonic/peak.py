@@ -58,6 +58,7 @@ BRACKET = (0.1, 0.2, 0.4)
 # Largest slope at an exact peak, over the width. The force is sampled, so the slope jumps by about 2 / samples where a
 # sample begins to slip; chosen: ten times the jump with 1024 samples. A change of contact has a slope above 0.1.
 FLAT = 0.02
+ANOTHER_PEAK = "the peak becomes another one"
 
 
 class _NoPointError(Exception):
@@ -139,12 +140,17 @@ class PeakSearch:
         """The balance of the curve."""
         return self.curve.balance
 
-    def from_estimate(self, unknowns: FloatArray, omega: float, across: Step, curvature: float) -> CurvePeak | str:
-        """The peak near an estimate; Newton's method begins in the plane across a tangent. Or why there is none."""
+    def from_estimate(
+        self, unknowns: FloatArray, omega: float, across: Step, curvature: float, highest: float = math.inf
+    ) -> CurvePeak | str:
+        """The peak near an estimate; Newton's method begins in the plane across a tangent. Or why there is none.
+
+        A search that comes above the ``highest`` amplitude is at another peak, and stops.
+        """
         probe = self._corrected(self.curve.at(unknowns, omega), across)
         if probe is None:
             return "Newton's method did not converge from the estimate"
-        return self._search(probe, curvature)
+        return self._search(probe, curvature, highest)
 
     def from_point(self, point: BalancePoint) -> CurvePeak | str:
         """The peak near a point of the curve, or why there is none."""
@@ -232,7 +238,7 @@ class PeakSearch:
             mean = float(self.balance.compliance.mean_transposed(self._mean_row(trial)) @ deviation[0])
         return np.append(mean, amplitude @ self._modes)
 
-    def _search(self, probe: Probe, curvature: float) -> CurvePeak | str:
+    def _search(self, probe: Probe, curvature: float, highest: float = math.inf) -> CurvePeak | str:
         """Climb along the curve to the maximum, and enclose it."""
         rising: Probe | None = None  # the best point before the maximum, with slope above zero
         falling: Probe | None = None
@@ -242,6 +248,8 @@ class PeakSearch:
         for count in range(1, MOST_PROBES + 1):
             if not (math.isfinite(probe.slope) and probe.amplitude > 0.0):
                 return "the tangent of the frequency curve is not determined"
+            if probe.amplitude > highest:
+                return ANOTHER_PEAK
             if probe.slope >= 0.0:
                 rising = probe
             else:
@@ -264,7 +272,7 @@ class PeakSearch:
             iterations += after.iterations
             curvature = (after.slope - probe.slope) / (after.lag - probe.lag)
             probe = after
-        return "the search for the maximum did not settle"
+        return "the search for the maximum did not converge"
 
     def _inside(self, peak: CurvePeak) -> CurvePeak | str:
         """The peak if it is in the window."""
@@ -274,12 +282,12 @@ class PeakSearch:
         return f"the peak leaves the frequency range, at {peak.omega / (2.0 * math.pi):.2f} Hz"
 
     def _moved(self, probe: Probe, step: float) -> Probe | None:
-        """The point at a lag, from a tangent."""
+        """The point near a lag, from a tangent; Newton's method may turn the motion farther than planned."""
         for fraction in SHORTENED:
             length = fraction * step
             after = self._stepped(probe, length, probe.tangent, probe.lag + length)
             if after is not None:
-                return after
+                return replace(after, lag=probe.lag + _turned(probe, after))
         return None
 
     def _stepped(self, probe: Probe, length: float, tangent: Step, lag: float) -> Probe | None:
@@ -301,6 +309,12 @@ def _lag_weights(amplitude: FloatArray) -> FloatArray:
     turned *= order
     size = float((turned**2).sum())
     return turned / size if size > 0.0 else turned
+
+
+def _turned(before: Probe, after: Probe) -> float:
+    """The lag between two points of the curve, rad, by the mean of the weights at both."""
+    first, second = before.point.trial.amplitude, after.point.trial.amplitude
+    return 0.5 * float(np.vdot(_lag_weights(first) + _lag_weights(second), second - first))
 
 
 def _peak_of(probe: Probe, curvature: float, is_corner: bool, iterations: int) -> CurvePeak:

@@ -96,7 +96,7 @@ def frequency(trial: Trial) -> PointValue:
 def friction_energy(trial: Trial) -> PointValue:
     """J per cycle that friction dissipates: ``pi sum_h h (s_h f_ch - c_h f_sh)`` over t1 and t2 of all pairs.
 
-    Springs do no work in a period, so the deviation stands for the force f in it.
+    Springs do no work in a period, so the deviation replaces the force f in it.
     """
     count = len(trial.relative) // 2
     factor = np.pi * np.arange(1, count + 1)[:, None]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.operator_products import with_springs
 from stickslip.structure.superelement import Superelement
 
 # A body that only friction supports (a free damper along its axis) has no unique mean position where its pairs follow a
@@ -46,7 +47,7 @@ class StaticFactor:
     @classmethod
     def attempt(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor | None:
         """As :meth:`build`, or None where the structure is singular to working accuracy."""
-        return cls.of_matrix(superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator))
+        return cls.of_matrix(superelement.stiffness + with_springs(pairs.operator, springs.ravel()))
 
     @classmethod
     def of_matrix(cls, stiffness: FloatArray) -> StaticFactor | None:

@@ -1,4 +1,4 @@
-"""What no damping and no friction bounds: resonances and unsupported motions that the solver must not follow.
+"""Motions that neither damping nor friction bounds: resonances and unsupported motions that the solver must not follow.
 
 A periodic motion at the natural frequency of mode j of the structure without contact needs a balance of the modal
 forces there: without damping, the excitation ``F`` equals the first harmonic of the contact forces in the mode. A
@@ -42,7 +42,7 @@ SQUARE_WAVE = 4.0 / math.pi  # first harmonic of a square wave of height 1
 
 @dataclass(frozen=True)
 class Grip:
-    """How the contacts hold a motion of the structure: forces in N at the point of its largest displacement.
+    """The resistance of the contacts to a motion of the structure: forces, N, at the point of its largest displacement.
 
     friction:
         the largest first harmonic of the friction forces in the motion, with the normal loads at rest.
@@ -125,7 +125,7 @@ def _force_in(force: ExcitationForce, shape: NDArray[Any], order: int, omega: fl
 def _undamped_modes(
     free: LinearLimit, pairs: ContactPairs, force: ExcitationForce, low: float, high: float
 ) -> list[str]:
-    """Modes of the structure without contact that friction cannot hold."""
+    """Modes of the structure without contact that exceed the friction limit."""
     sentences = []
     for order, mode in nearly_undamped(free, force, low, high):
         shape, mass = _shape(free, mode)
@@ -136,7 +136,7 @@ def _undamped_modes(
         hertz = omega / order / (2.0 * math.pi)
         name = f"Mode {mode + 1} of the structure without contact ({omega / (2.0 * math.pi):.3f} Hz"
         name += ")" if order == 1 else f", excited by harmonic {order} at {hertz:.3f} Hz)"
-        holds = "no contact moves in it" if grip.friction == 0.0 else f"friction can hold {grip.friction:.4g} N"
+        holds = "no contact moves in it" if grip.friction == 0.0 else f"friction can carry {grip.friction:.4g} N"
         forces = f"the excitation has {excitation:.4g} N in it (at its largest displacement), and {holds}"
         advice = "give a damping matrix or modal_damping_ratio (0.001 is usual for metal), or a range without this mode"
         if _ratio(free, mode) > NO_DAMPING:
@@ -191,7 +191,7 @@ def sliding_shapes(free: LinearLimit, pairs: ContactPairs) -> FloatArray:
 
 
 def _unsupported(free: LinearLimit, pairs: ContactPairs, force: ExcitationForce, low: float) -> list[str]:
-    """Rigid motions that only friction holds, excited by more than it can hold."""
+    """Rigid motions that only friction restrains, excited by more than the friction limit."""
     sliding = sliding_shapes(free, pairs)
     if not sliding.shape[1]:
         return []
@@ -207,9 +207,9 @@ def _unsupported(free: LinearLimit, pairs: ContactPairs, force: ExcitationForce,
         if not grip.opens and excitation > grip.friction:
             height = (excitation - grip.friction) * size**2 / (order * low) ** 2
             return [
-                f"A body moves freely: no spring holds one of its rigid motions, the excitation has {excitation:.4g} N "
-                f"in it, and friction can hold {grip.friction:.4g} N. At the lowest frequency of the range, "
-                f"{low / (2.0 * math.pi):.3f} Hz, it slides by about {height:.3g} m; constrain the body, or begin at a "
-                "higher frequency."
+                "A body moves freely: no spring restrains one of its rigid motions, the excitation has "
+                f"{excitation:.4g} N in it, and friction can carry {grip.friction:.4g} N. At the lowest frequency of "
+                f"the range, {low / (2.0 * math.pi):.3f} Hz, it slides by about {height:.3g} m; constrain the body, or "
+                "begin at a higher frequency."
             ]
     return []

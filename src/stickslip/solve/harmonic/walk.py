@@ -67,9 +67,9 @@ def walk_warnings(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[str, ..
     hertz = np.array([trials[point].omega for point in points]) / (2.0 * np.pi)
     most = int(ways.argmax())
     return (
-        f"A body that only friction supports does not stay in its place: at {points.size} of {len(trials)} points, "
-        f"{hertz.min():.2f} to {hertz.max():.2f} Hz, it slides on by up to {1e6 * ways[most]:.3g} um in each cycle (at "
-        f"{trials[most].omega / (2.0 * np.pi):.2f} Hz). No periodic motion exists there; the curve shows the motion of "
-        "the body that walks on faces without end. Constrain it along its free direction, press it harder, or lower "
-        "the force.",
+        f"A body that only friction supports does not remain in its position: at {points.size} of {len(trials)} "
+        f"points, {hertz.min():.2f} to {hertz.max():.2f} Hz, it slides on by up to {1e6 * ways[most]:.3g} um in each "
+        f"cycle (at {trials[most].omega / (2.0 * np.pi):.2f} Hz). No periodic motion exists there; the curve shows the "
+        "motion of the body that walks on faces without end. Constrain it along its free direction, press it harder, "
+        "or lower the force.",
     )

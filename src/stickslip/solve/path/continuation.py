@@ -154,7 +154,7 @@ class Branch(Generic[PointT]):
             if self._within is None and beyond > LONGEST_EXCURSION * min(self._width, abs(self._origin)):
                 self.message = (
                     f"The branch turned back and left the range through its start; at "
-                    f"{self._name_of(correction.point)} it had not come back. Start from the other end (swap start and "
+                    f"{self._name_of(correction.point)} it had not returned. Start from the other end (swap start and "
                     "stop), or widen the range."
                 )
                 return False

@@ -11,6 +11,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray
 
 NO_PARAMETERS = np.empty(0)  # of a single solution
@@ -56,6 +57,8 @@ class Plane:
     unknowns_target: FloatArray  # shape of the unknowns
     parameter_target: float
 
+    __repr__ = short_repr
+
     @classmethod
     def fixed(cls, unknowns: FloatArray, parameter: float) -> Plane:
         """The first parameter stays at ``parameter``."""
@@ -77,6 +80,8 @@ class Step:
     unknowns: FloatArray
     parameters: FloatArray
     detail: Any = None
+
+    __repr__ = short_repr
 
 
 class Linearised(Protocol):

@@ -1,4 +1,4 @@
-"""What a branch does about a step that went wrong: retreat from one that came back, step around a corner."""
+"""Repair of wrong steps of a branch: retreat from one that returned, step around a corner."""
 
 from __future__ import annotations
 
@@ -146,14 +146,14 @@ class Crossing:
     highest: float
 
 
-def crossing_of(part: Sequence[PointT], found: PointT) -> Crossing:
+def crossing_of(part: Sequence[PointT], beyond: PointT) -> Crossing:
     """The crossing from the first point of a lost ``part`` of a branch to a solution."""
     edge = part[0]
     size = max(float(np.linalg.norm(edge.measured)), SMALLEST_MOTION)
     return Crossing(
         parameter_of(edge),
-        parameter_of(found),
-        float(np.linalg.norm(found.measured - edge.measured)) / size,
+        parameter_of(beyond),
+        float(np.linalg.norm(beyond.measured - edge.measured)) / size,
         parameter_of(part[-1]) if len(part) > 1 else None,
         max((float(np.linalg.norm(each.measured)) for each in part[1:]), default=0.0) / size,
     )

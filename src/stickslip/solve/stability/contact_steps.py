@@ -21,7 +21,7 @@ def linear_steps(pairs: ContactPairs, displacement: FloatArray) -> LinearSteps:
     """The steps of all pairs under a motion (n, n_pairs, 3) m; each law must be a :class:`SteppedLaw`."""
     parts: list[LinearSteps] = []
     for law, group in zip(pairs.laws, pairs.members, strict=True):
-        assert isinstance(law, SteppedLaw)  # the caller asks laws_without_steps first
+        assert isinstance(law, SteppedLaw)  # the caller checks laws_without_steps first
         parts.append(law.linear_steps(np.ascontiguousarray(displacement[:, group])))
     if len(parts) == 1:
         return parts[0]

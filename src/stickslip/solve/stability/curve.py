@@ -2,7 +2,8 @@
 
 The multipliers have an error by sampling, which matters only near the unit circle. There a point is computed again with
 more samples. Where a real multiplier is too close to 1, the verdict is that of the same side of the fold, because a
-curve turns in frequency exactly where a multiplier is 1.
+curve turns in frequency exactly where a multiplier is 1. The error by harmonics has no such bound: some points are
+corrected with more harmonics, and a verdict is doubtful if the multipliers of the corrected motion contradict it.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
 from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
+from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
 from stickslip.solve.stability.multipliers import ComplexArray, is_real, multipliers, stuck_multipliers
 
 # Samples of the period, and for each harmonic, at first; near the unit circle up to FINEST times as many.
@@ -53,8 +55,10 @@ class CurveStability:
     bifurcations:
         in the order of the curve.
     undecided:
-        number of points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
+        (n,) points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
         computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers.
+    unconfirmed:
+        (n,) points at which the motion corrected with more harmonics has another verdict, or is not known.
     error_at_folds:
         largest distance from 1 of the multiplier at a fold where the stability changes; a large one says that the
         harmonics are too few.
@@ -63,7 +67,8 @@ class CurveStability:
     stable: BoolArray
     multipliers: ComplexArray
     bifurcations: tuple[Bifurcation, ...]
-    undecided: int
+    undecided: BoolArray
+    unconfirmed: BoolArray
     error_at_folds: float
 
     @classmethod
@@ -78,7 +83,8 @@ class CurveStability:
                 for first, part in zip(firsts, parts, strict=False)
                 for each in part.bifurcations
             ),
-            sum(part.undecided for part in parts),
+            np.concatenate([part.undecided for part in parts]),
+            np.concatenate([part.unconfirmed for part in parts]),
             max(part.error_at_folds for part in parts),
         )
 
@@ -135,6 +141,12 @@ class _Verdict:
         beyond = int((self._real & (self.values.real > 1.0) & ~near).sum())
         return range(beyond, beyond + int(near.sum()) + 1)
 
+    def confirms(self, stable: bool, distance: float) -> bool:
+        """Whether these multipliers allow a verdict; folds decide about real ones within a distance of 1."""
+        counts, positive = self.counts(), self.possible(distance)
+        others = counts.negative + counts.complex
+        return not (others or positive[0]) if stable else bool(others or positive[-1])
+
     def _near_one(self, distance: float) -> BoolArray:
         """Which are real and within a distance of 1, or their error."""
         return np.asarray(self._real & (np.abs(self.values - 1.0) <= np.maximum(self.errors, distance)))
@@ -151,34 +163,50 @@ def reason_without(pairs: ContactPairs) -> str:
     )
 
 
-def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckStructure) -> CurveStability:
+def curve_stability(
+    trials: Sequence[Trial],
+    pairs: ContactPairs,
+    stuck: StuckStructure,
+    correction: Correction | None = None,
+) -> CurveStability:
     """The stability of points in the order of a curve along which the force is constant.
 
-    The laws must give their steps (:func:`reason_without`).
+    The laws must give their steps (:func:`reason_without`). ``correction`` gives points with more harmonics, by which
+    verdicts are confirmed (:func:`stickslip.solve.stability.more_harmonics.correction_of`); without it none is
+    ``unconfirmed``.
     """
-    moves = np.any([trial.contact.moves for trial in trials], axis=0)
-    hidden = np.max([pairs.hidden_springs(trial.contact) for trial in trials], axis=0)
-    model = stability_model(stuck, max(_harmonics(trial) for trial in trials), moves, hidden)
-    verdicts = _verdicts(model, pairs, trials)
+    verdicts = _verdicts(pairs, stuck, trials)
     counts = [verdict.counts() for verdict in verdicts]
     omega = np.array([trial.omega for trial in trials])
     folds = folds_of(omega, [verdict.values for verdict in verdicts])
-    possible = [verdict.possible(doubtful_range(point, folds)) for point, verdict in enumerate(verdicts)]
+    distances = [doubtful_range(point, folds) for point in range(len(trials))]
+    possible = [verdict.possible(distance) for verdict, distance in zip(verdicts, distances, strict=True)]
     near_one = [verdict.near_one(NEAR_FOLD) for verdict in verdicts]
     positive = sided_counts([each.positive for each in counts], possible, near_one, folds)
     alone = [any(each) for each in counts]
     counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]
-    unsure = sum(
-        verdict.undecided or own != any(each) for verdict, own, each in zip(verdicts, alone, counts, strict=True)
-    )
+    unsure = [verdict.undecided or own != any(each) for verdict, own, each in zip(verdicts, alone, counts, strict=True)]
+    stable = np.array([not any(each) for each in counts])
+
+    def confirms(points: Sequence[int]) -> list[bool]:
+        assert correction is not None
+        known = {point: trial for point in points if (trial := correction(point)) is not None}
+        found = dict(zip(known, _verdicts(pairs, stuck, list(known.values())), strict=True))
+        return [each in found and found[each].confirms(bool(stable[each]), distances[each]) for each in points]
+
+    unconfirmed = np.zeros(stable.size, dtype=bool)
+    if correction is not None:
+        moving = np.array([bool(trial.contact.moves.any()) for trial in trials])
+        unconfirmed = unconfirmed_points(stable, moving, confirms)
     table = np.zeros((len(trials), STORED), dtype=complex)
     for row, verdict in zip(table, verdicts, strict=True):
         row[: verdict.values.size] = verdict.values[:STORED]
     return CurveStability(
-        np.array([not any(each) for each in counts]),
+        stable,
         table,
         tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
-        unsure,
+        np.array(unsure),
+        unconfirmed,
         max((fold.error for fold in folds if _changes_at(fold, positive)), default=0.0),
     )
 
@@ -188,8 +216,13 @@ def _harmonics(trial: Trial) -> int:
     return len(trial.relative) // 2
 
 
-def _verdicts(model: StabilityModel, pairs: ContactPairs, trials: Sequence[Trial]) -> list[_Verdict]:
+def _verdicts(pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial]) -> list[_Verdict]:
     """The verdict of each point; the points are shared among threads."""
+    if not trials:
+        return []
+    moves = np.any([trial.contact.moves for trial in trials], axis=0)
+    hidden = np.max([pairs.hidden_springs(trial.contact) for trial in trials], axis=0)
+    model = stability_model(stuck, max(_harmonics(trial) for trial in trials), moves, hidden)
     verdicts: dict[int, _Verdict] = {}
 
     def judge(start: int, stop: int) -> None:

@@ -1,4 +1,4 @@
-"""What folds say about stability: a curve under a constant force turns in frequency exactly where a multiplier is 1."""
+"""Stability by folds: a curve under a constant force turns in frequency exactly where a multiplier is 1."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FOLD_MARGIN, LARGEST_FOLD_ERROR = 1.2, 0.1
 
 @dataclass(frozen=True)
 class Fold:
-    """Where a curve turns.
+    """A turning point of a curve.
 
     Attributes
     ----------

@@ -73,7 +73,7 @@ def _held(frequency: FloatArray, damping: FloatArray, time_step: float) -> tuple
 def _newmark(
     frequency: FloatArray, damping: FloatArray, time_step: float, relaxation: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Newmark's method for each coordinate alone; its coupling to others by damping is left out."""
+    """Newmark's method for each coordinate alone; its coupling to others by damping is omitted."""
     h, gamma = time_step, 0.5 + relaxation / time_step
     beta = 0.25 * (0.5 + gamma) ** 2
     # Rows q, v of the columns q, v, force at the start, force at the end.

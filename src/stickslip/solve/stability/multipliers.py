@@ -39,7 +39,7 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
     """The multipliers of a solution, the largest first; all that matter, and often more.
 
     A pair that sticks through the period is its springs: its slider is no state and has no multiplier 1. Neutral
-    disturbances are left out.
+    disturbances are omitted.
 
     A slider that has shaken down and only touches its limit follows a disturbance that goes farther, and does not come
     back. So it follows one that grows to one side, of a real multiplier above 0. One that changes its sign or rotates

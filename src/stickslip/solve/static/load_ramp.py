@@ -198,7 +198,7 @@ class LoadRamp:
         return normal, slope
 
     def _states_in_words(self, code: CodeArray) -> str:
-        """How many pairs are in which state, by law."""
+        """The number of pairs in each state, by law."""
         joint, parts = self._joint, []
         for law, members in zip(joint.pairs.laws, joint.pairs.members, strict=True):
             count = {state: int((code[members] == state).sum()) for state in ContactState}

@@ -121,8 +121,8 @@ def static_preload(
                 words = path + words
             return replace(state, message=state.message + words)
     raise ConvergenceError(
-        f"the stiffness of the pairs under their own pressure did not settle in {STIFFNESS_ITERATIONS} iterations; the "
-        f"normal forces or stiffness still change by {change:.1e} of the largest. Use a pressure-gap law, or one "
+        f"the stiffness of the pairs under their own pressure did not converge in {STIFFNESS_ITERATIONS} iterations; "
+        f"the normal forces or stiffness still change by {change:.1e} of the largest. Use a pressure-gap law, or one "
         "stiffness for each face."
     )
 

@@ -12,6 +12,7 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import CodeArray, ContactLaw, IndexArray
 from stickslip.core.errors import InputError
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray
 
 
@@ -54,6 +55,8 @@ class StaticState:
     iterations: int
     message: str
     memory: tuple[Any, ...] | None = None
+
+    __repr__ = short_repr
 
     @property
     def preload(self) -> FloatArray:

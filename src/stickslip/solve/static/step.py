@@ -95,7 +95,7 @@ class RestingJoint:
         step = joined_step(self.laws, self.pairs.members, relative, before)
         if self.friction:
             return step
-        # A body that only friction would hold gets the restraint of the mean position in dynamics.
+        # A body that only friction would support gets the restraint of the mean position in dynamics.
         restraint = MEAN_RESTRAINT * self.springs
         force = np.where(self.frictional, restraint * (relative - slider_position), step.force)
         derivative = np.where(self.frictional[:, :, None], restraint[:, :, None] * np.eye(3), step.derivative)

@@ -20,6 +20,7 @@ from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.fourier import synthesis_matrix
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import (
     FloatArray,
     argument_error,
@@ -69,6 +70,8 @@ class TransientResponse:
     period_starts: FloatArray
     converged: bool
     message: str
+
+    __repr__ = short_repr
 
     def amplitude(self, output: ArrayLike) -> float:
         """Largest ``|output @ u(t)|`` of the last period (0-to-peak, including the mean), from a parabola at the
@@ -135,7 +138,7 @@ def check_integration(superelement: Superelement, pairs: ContactPairs) -> None:
         )
     springs = pairs.tangential_springs
     unequal = np.flatnonzero((springs[:, 0] != springs[:, 1]) & ~np.isnan(springs[:, 0]))
-    if unequal.size and _coulomb_alone(pairs):
+    if unequal.size and coulomb_alone(pairs):
         pair = int(unequal[0])
         raise InputError(
             f"tangential_stiffness[{pair}] is {springs[pair, 0]:g} N/m along t1 and {springs[pair, 1]:g} N/m along t2; "
@@ -159,7 +162,7 @@ def _check_settings(
     require_allowed("spectral_radius", radius, 0.0 <= radius <= 1.0, allowed)
 
 
-def _coulomb_alone(pairs: ContactPairs) -> bool:
+def coulomb_alone(pairs: ContactPairs) -> bool:
     """Whether the compiled march can take the pairs."""
     return len(pairs.laws) == 1 and isinstance(pairs.laws[0], CoulombLaw)
 
@@ -172,7 +175,7 @@ def _march(
     initial_cycle: ArrayLike | None,
 ) -> March:
     """The contacts at the start. Raises InputError for a start that the laws do not take."""
-    if _coulomb_alone(pairs):
+    if coulomb_alone(pairs):
         if initial_cycle is not None:
             raise InputError(
                 "initial_cycle is for joints with other laws; give Coulomb pairs initial_slider.",
@@ -232,7 +235,7 @@ def start_of_motion(
     }
     relative = synthesis_matrix(harmonics, samples) @ (pairs.operator @ coefficients).T
     cycle = relative.reshape(samples, pairs.n_pairs, 3)
-    if _coulomb_alone(pairs):
+    if coulomb_alone(pairs):
         return start | {"initial_slider": pairs.walking_cycle(cycle, walk).slider[0]}
     return start | {"initial_cycle": cycle}
 

@@ -13,9 +13,10 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.transient.kernel import march_period
 from stickslip.solve.transient.scheme import Scheme
 
+# chosen: a step that needs more iterations has no solution; far below the tolerance from period to period.
 MAX_STEP_ITERATIONS = 40
 STEP_TOLERANCE = 1e-10
-# A law with kinks wants short steps where the full one overshoots.
+# A law with kinks requires short steps where the full one overshoots.
 NEWTON = NewtonSettings(STEP_TOLERANCE, MAX_STEP_ITERATIONS, fractions=(1.0, 0.5, 0.25, 0.1, 0.03))
 # A correction this many times larger than any displacement so far is no solution.
 LARGEST_CORRECTION = 1e6

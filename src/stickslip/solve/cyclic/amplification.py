@@ -1,0 +1,281 @@
+"""How much the response of a linear disk grows because its blades differ.
+
+The ring moves in the modes of the tuned disk with stuck contacts (component mode mistuning, Lim et al. 2007, see
+:mod:`stickslip.structure.blade_alone`): those of all nodal diameters up to a few times the frequencies of interest.
+In them the stiffness is ``diag(w^2) + P^H diag(c) P`` with the participations P of the blades alone and their changes c
+of stiffness, a matrix of some hundred rows, so thousands of patterns take minutes.
+
+The amplification factor is the highest amplitude of any blade at any frequency over that of the tuned disk. Under one
+engine order it is at most ``(1 + sqrt(N)) / 2`` where one family of modes responds (D. S. Whitehead, Effect of
+mistuning on the vibration of turbomachine blades induced by wakes, J. Mech. Eng. Sci. 8 (1966) 15-21).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.optimize
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.completeness import reported
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array, positive_number
+from stickslip.solve.cyclic.balances import force_on_sector
+from stickslip.solve.cyclic.full_ring import require_all_diameters
+from stickslip.solve.cyclic.stuck_sector import wide_pairs
+from stickslip.solve.excitation import Excitation, TravellingWave, lag_of
+from stickslip.solve.harmonic.damping import modal_basis
+from stickslip.solve.harmonic.gain import ComplexArray, to_complex
+from stickslip.solve.setting_up import checked_window
+from stickslip.structure.blade_alone import BladeAlone
+from stickslip.structure.cyclic_sector import CyclicSector
+
+# chosen: tuned modes up to this multiple of the highest frequency take part.
+TAKES_PART = 4.0
+# chosen: a peak closer to an end of the range, relative, is at this end.
+AT_END = 1e-6
+# chosen: points about each natural frequency, in multiples of its half-power half-width, between which a peak is
+# searched. Two modes closer than a half-width have a peak between them.
+ABOUT = np.linspace(-3.0, 3.0, 13)
+
+
+@dataclass(frozen=True)
+class Amplification:
+    """Amplification of patterns of mistuning.
+
+    Attributes
+    ----------
+    factor:
+        (n_patterns,) highest amplitude of any sector over that of the tuned disk.
+    peak_hz, sector:
+        (n_patterns,) its frequency and its sector.
+    tuned_peak, tuned_peak_hz:
+        m, amplitude and frequency of the peak of the tuned disk.
+    sectors:
+        number N of sectors.
+    at_end:
+        number of patterns, with the tuned disk, whose highest amplitude is at an end of the range, or that have no
+        natural frequency in it (their factor is not a number).
+    """
+
+    factor: FloatArray
+    peak_hz: FloatArray
+    sector: NDArray[np.int64]
+    tuned_peak: float
+    tuned_peak_hz: float
+    sectors: int
+    at_end: int = 0
+
+    @property
+    def converged(self) -> bool:
+        """Whether all highest amplitudes are inside the range."""
+        return self.at_end == 0
+
+    @property
+    def message(self) -> str:
+        """A message on highest amplitudes at an end of the range."""
+        if self.converged:
+            return "All highest amplitudes are inside the range."
+        return (
+            f"{self.at_end} of {self.factor.size + 1} disks, with the tuned one, have their highest amplitude at an "
+            "end of the range of frequencies, or no natural frequency in it. A higher amplitude may be outside: widen "
+            "frequency_hz."
+        )
+
+    @property
+    def whitehead_limit(self) -> float:
+        """``(1 + sqrt(N)) / 2``, the largest factor of one family of modes."""
+        return float(1.0 + np.sqrt(self.sectors)) / 2.0
+
+    def __repr__(self) -> str:
+        return (
+            f"Amplification({self.factor.size} patterns: factor {self.factor.min():.3g} to {self.factor.max():.3g}, "
+            f"Whitehead's limit {self.whitehead_limit:.3g})"
+        )
+
+
+def amplification_factors(
+    sector: CyclicSector,
+    blade: BladeAlone,
+    deviations: ArrayLike,
+    wave: Excitation,
+    output: ArrayLike,
+    *,
+    frequency_hz: tuple[float, float],
+    modal_damping_ratio: float,
+    pairs: ContactPairs | None = None,
+    raise_on_failure: bool = False,
+) -> Amplification:
+    """Amplification factors of a linear disk for patterns of mistuning.
+
+    Parameters
+    ----------
+    sector:
+        one sector, reduced for all nodal diameters.
+    blade:
+        its blade alone (:func:`blade_alone`).
+    deviations:
+        (n_patterns, N) relative deviations of the natural frequencies of the blades alone, such as
+        ``0.02 * random.standard_normal((500, N))``.
+    wave:
+        :meth:`Excitation.travelling_wave`, first harmonic only.
+    output:
+        (n,) or (2n,) the displacement of a sector whose amplitude counts, such as ``CyclicSector.selector``.
+    frequency_hz:
+        the range of frequencies.
+    modal_damping_ratio:
+        of each mode, of the mistuned disk too.
+    pairs:
+        pairs of one sector, all of which stick; None for no contact.
+    raise_on_failure:
+        whether highest amplitudes at an end of the range are an error instead of a warning.
+
+    Raises
+    ------
+    InputError
+        for a sector without some nodal diameters or with damping matrices, arrays of another shape, a deviation above
+        0.3, an excitation that does not travel or has higher harmonics, a damping ratio that is not above zero, and a
+        range without resonance of the tuned disk. ConvergenceError instead of a warning with ``raise_on_failure``.
+    """
+    require_all_diameters(sector)
+    if any(each.damping is not None for each in sector.diameters.values()):
+        raise InputError(
+            "the sector has damping matrices, which couple the modes of a mistuned disk; only modal_damping_ratio is "
+            "possible here. Give a sector without damping.",
+            arguments=["sector"],
+        )
+    positive_number("modal_damping_ratio", modal_damping_ratio)
+    low, high = sorted(checked_window(frequency_hz))
+    patterns = finite_array("deviations", deviations)
+    if patterns.ndim != 2 or patterns.shape[1] != sector.sectors or not len(patterns):
+        raise InputError(
+            f"deviations must have shape (n_patterns, {sector.sectors}), but its shape is {patterns.shape}.",
+            arguments=["deviations"],
+        )
+    row = finite_array("output", output)
+    if row.shape not in ((sector.size,), (2 * sector.size,)):
+        raise InputError(
+            f"output must have shape ({sector.size},), or ({2 * sector.size},) with the next sector, but its shape is "
+            f"{row.shape}.",
+            arguments=["output"],
+        )
+    disk = _TunedDisk.of(sector, blade, wave, row.reshape(-1, sector.size), 2.0 * np.pi * TAKES_PART * high, pairs)
+    window = 2.0 * np.pi * low, 2.0 * np.pi * high
+    tuned = disk.highest(np.zeros((sector.sectors, blade.frequency_hz.size)), window, modal_damping_ratio)
+    if tuned is None:
+        raise InputError(
+            f"the engine order excites no mode of the tuned disk between {low:g} and {high:g} Hz. Choose another "
+            "range.",
+            arguments=["frequency_hz"],
+        )
+    found = []
+    for pattern in patterns:
+        changes = blade.stiffness_changes(pattern, sector.sectors)
+        peak = disk.highest(changes, window, modal_damping_ratio)
+        found.append((np.nan, np.nan, -1) if peak is None else peak)
+    amplitude, omega, place = (np.array(each) for each in zip(*found, strict=True))
+    result = Amplification(
+        amplitude / tuned[0], omega / (2.0 * np.pi), place.astype(np.int64), tuned[0], tuned[1] / (2.0 * np.pi),
+        sector.sectors, int((~_is_inside(np.append(omega, tuned[1]), window)).sum()),
+    )  # fmt: skip
+    return reported(result, raise_on_failure)
+
+
+@dataclass(frozen=True)
+class _TunedDisk:
+    """The modes of the tuned disk that take part, r in all.
+
+    ``circular_frequency`` (r,); ``participation`` (N k, r) of the blades; ``output`` (N, r); ``force`` (r,).
+    """
+
+    circular_frequency: FloatArray
+    participation: ComplexArray
+    output: ComplexArray
+    force: ComplexArray
+
+    @classmethod
+    def of(
+        cls,
+        sector: CyclicSector,
+        blade: BladeAlone,
+        wave: Excitation,
+        rows: FloatArray,
+        highest: float,
+        pairs: ContactPairs | None,
+    ) -> _TunedDisk:
+        """From the reduced sector; modes up to ``highest`` rad/s take part.
+
+        ``rows`` (1 or 2, n) are the output in this sector and in the next one.
+        """
+        travelling, load = _first_harmonic(sector, wave)
+        count = sector.sectors
+        sides = None if pairs is None else np.hsplit(wide_pairs(pairs, sector.size).operator, 2)
+        springs = None if pairs is None else pairs.resting_stiffness()[:, None]
+        frequencies, participations, outputs, forces = [], [], [], []
+        for waves in range(count):
+            matrices, lag = sector.lagged(waves), lag_of(waves, count)
+            stiffness = matrices.stiffness
+            if sides is not None:
+                operator = sides[0] + lag * sides[1]
+                stiffness = stiffness + operator.conj().T @ (springs * operator)
+            omega, modes = modal_basis(matrices.mass, stiffness)
+            kept = modes[:, omega <= highest]
+            alone = blade.in_wave(waves, count)
+            # In sector s a wave has the lag to the power s.
+            turns = np.array([lag_of(waves * place, count) for place in range(count)]) / np.sqrt(count)
+            frequencies.append(omega[omega <= highest])
+            participations.append(np.vstack([turn * (alone @ kept) for turn in turns]))
+            outputs.append(turns[:, None] * (sum(lag**ahead * part for ahead, part in enumerate(rows)) @ kept))
+            travels = waves == travelling.waves(1) % count
+            forces.append(np.sqrt(count) * (kept.conj().T @ load) if travels else np.zeros(kept.shape[1], complex))
+        return cls(*(np.hstack(each) for each in (frequencies, participations, outputs, forces)))
+
+    def highest(
+        self, changes: FloatArray, window: tuple[float, float], ratio: float
+    ) -> tuple[float, float, int] | None:
+        """Highest amplitude of any sector in a window (rad/s), its circular frequency and sector; None without modes.
+
+        ``changes`` (N, k) are those of the stiffness of the blades alone.
+        """
+        matrix = self.participation.conj().T @ (changes.reshape(-1, 1) * self.participation)
+        matrix[np.diag_indices_from(matrix)] += self.circular_frequency**2
+        squares, modes = np.linalg.eigh(matrix)
+        omega = np.sqrt(np.maximum(squares, 0.0))
+        gains = (self.output @ modes) * (modes.conj().T @ self.force)
+
+        def amplitudes(at: FloatArray) -> FloatArray:
+            resonance = squares[:, None] - at**2 + 2j * ratio * omega[:, None] * at
+            return np.asarray(np.abs(gains @ (1.0 / resonance)))
+
+        inside = omega[(omega >= window[0]) & (omega <= window[1])]
+        if not inside.size or not gains.any():
+            return None
+        grid = np.unique(np.clip((inside[:, None] * (1.0 + ratio * ABOUT)).ravel(), *window))
+        sampled = amplitudes(grid)
+        place, best = divmod(int(sampled.argmax()), grid.size)
+        around = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
+        refined = scipy.optimize.minimize_scalar(
+            lambda at: -float(amplitudes(np.array([at]))[place, 0]), bounds=around, method="bounded",
+            options={"xatol": 1e-4 * ratio * float(grid[best])},
+        )  # fmt: skip
+        top = max((-float(refined.fun), float(refined.x)), (float(sampled[place, best]), float(grid[best])))
+        return top[0], top[1], place
+
+
+def _is_inside(omega: FloatArray, window: tuple[float, float]) -> NDArray[np.bool_]:
+    """Whether circular frequencies are inside a window, not at its ends; False for no frequency."""
+    return np.asarray((omega > window[0] * (1.0 + AT_END)) & (omega < window[1] * (1.0 - AT_END)))
+
+
+def _first_harmonic(sector: CyclicSector, excitation: Excitation) -> tuple[TravellingWave, ComplexArray]:
+    """The wave, and the complex amplitude (n,) of its force on the first sector. Raises InputError."""
+    wave = excitation.wave
+    if wave is None or excitation.harmonics > 1:
+        raise InputError(
+            "wave must be an Excitation.travelling_wave with one harmonic: a linear disk responds to each alone.",
+            arguments=["wave"],
+        )
+    force = force_on_sector(sector, excitation, wave, 1).coefficients(1.0)
+    return wave, to_complex(force[1:])[0]

@@ -1,0 +1,33 @@
+"""Products with the operator of the contact pairs, whose rows contain few unknowns in most structures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from stickslip.core.validation import FloatArray
+
+# Measured on the two blades (330 rows, 699 unknowns, 0.8 % of the entries): 1.2 ms instead of 6 ms for both products.
+# chosen: an operator with more entries than this fraction is dense.
+SPARSE = 0.05
+
+
+def times(operator: FloatArray, matrix: NDArray[Any]) -> NDArray[Any]:
+    """``B A`` (m, k) for an operator B (m, n) and a matrix (n, k)."""
+    return np.asarray(_rows(operator) @ matrix)
+
+
+def with_springs(operator: FloatArray, springs: FloatArray) -> FloatArray:
+    """``B^T diag(k) B`` (n, n), N/m, for springs k (m,) on the rows of an operator."""
+    rows = _rows(operator)
+    if isinstance(rows, csr_array):
+        return np.asarray((rows.T @ rows.multiply(springs[:, None])).toarray())
+    return np.asarray(operator.T @ (springs[:, None] * operator))
+
+
+def _rows(operator: FloatArray) -> FloatArray | csr_array:
+    """The operator, as a sparse matrix if it is one."""
+    return csr_array(operator) if np.count_nonzero(operator) < SPARSE * operator.size else operator

@@ -1,0 +1,27 @@
+"""Numbers in words."""
+
+from __future__ import annotations
+
+import pytest
+
+from stickslip.reporting.style import number, raised
+
+
+@pytest.mark.parametrize(
+    ("words", "shown"),
+    [
+        ("8.9e-05 µJ per cycle", "8.9 × 10⁻⁵ µJ per cycle"),
+        ("-1e-05 µJ", "−1 × 10⁻⁵ µJ"),
+        ("1.2e+07 N/m", "1.2 × 10⁷ N/m"),
+        ("below 1e-12 of input", "below 1 × 10⁻¹² of input"),
+        ("-4.11 Hz", "−4.11 Hz"),
+        ("46.63 to 48.16 µm", "46.63 to 48.16 µm"),
+    ],
+)
+def test_words_with_powers_of_ten(words: str, shown: str) -> None:
+    assert raised(words) == shown
+
+
+def test_a_small_number_has_a_power_of_ten() -> None:
+    assert number(8.2e-4) == "8.2 × 10⁻⁴"
+    assert number(-0.0082) == "−0.0082"
