@@ -115,5 +115,6 @@ def test_two_sweeps_are_one_table_and_report_writes_every_page(tmp_path: Path, m
     assert result.exit_code == 0, result.stderr
     text = (tmp_path / "sweep.html").read_text(encoding="utf-8")
     links = re.findall(r'<a href="(cases/[^"]*)"', text)
-    assert len(links) == 2
+    table = text[text.index('<table class="cases">') :].partition("</table>")[0]
+    assert len(links) == 2, (result.output, sorted(map(str, tmp_path.rglob("*"))), table)
     assert all((tmp_path / link).exists() for link in links)
