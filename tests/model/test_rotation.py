@@ -12,7 +12,6 @@ import scipy.linalg
 import scipy.sparse
 
 import stickslip as ss
-from model_writers import write_inp
 from own_cases import mesh_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
@@ -35,40 +34,9 @@ from stickslip.structure.sector_structure import SectorStructure
 from stickslip.study.check import check
 from stickslip.study.solution import solve_case
 from stickslip.sweeps.plan import case_hashes
-from structure_fixtures import brick_block
+from turning_cases import TURN, beam_case, disk_case
 
 STEEL = ss.Material(210e9, 0.3, 7850.0)
-TURN: dict[str, Any] = {"axis": [0, 0, 1], "point": ["-100 mm", "5 mm", "4 mm"]}
-
-
-def beam_case(folder: Path, **rotation: Any) -> Case:
-    """A cantilever of 300 x 20 x 10 mm, which turns at its clamped end, with a pad on the ground below its tip."""
-    block: Any = brick_block((20, 1, 1), (0.3, 0.02, 0.01))
-    below = block.points[:, 2] < 1e-9
-    sets = {
-        "root": np.flatnonzero(block.points[:, 0] < 1e-9),
-        "pad": np.flatnonzero(below & (block.points[:, 0] > 0.28)),
-        "tip": np.flatnonzero(block.points[:, 0] > 0.2999)[:1],
-    }
-    mesh = Mesh(block.points, block.cells, node_sets=sets)
-    write_inp(folder / "beam.inp", mesh, ["beam"], ["pad"], "root")
-    return Case.from_mapping(
-        {
-            "structure": {"kind": "mesh", "file": str(folder / "beam.inp"), "length_unit": "mm"},
-            "interfaces": {
-                "pad": {
-                    "first": "pad", "second": "ground", "normal_load": "10 N",
-                    "normal_stiffness": "1e6 N/m", "tangential_stiffness": "1e6 N/m",
-                }
-            },
-            "forces": {"shaker": {"set": "tip", "direction": [0, 0, 1], "amplitude": "1 N"}},
-            "responses": {"tip": {"set": "tip", "direction": [0, 0, 1]}},
-            "damping": {"modal_damping_ratio": 0.001},
-            "solver": {"frequency_start": "50 Hz", "frequency_stop": "200 Hz"},
-            "reduction": {"modes": 10},
-            **({"rotation": {**TURN, **rotation}} if rotation else {}),
-        }
-    )  # fmt: skip
 
 
 def free_hz(model: ReducedModel, count: int) -> Any:
@@ -179,13 +147,6 @@ def test_a_damper_and_its_blades_have_one_speed() -> None:
     assert len(other) == len(same) + 1
     printed_sentence(other[-1])
     assert not any("normal loads" in words for words in same)  # the load is that of the speed
-
-
-def disk_case(**rotation: Any) -> Case:
-    content = copy.deepcopy(EXAMPLES["bladed-disk"])
-    content["structure"] = {"kind": "cyclic", "contact_columns": 2, "contact_rows": 1, "sectors": 20}
-    content["reduction"] = {"modes": 8}
-    return Case.from_mapping({**content, **({"rotation": rotation} if rotation else {})})
 
 
 def test_a_disk_of_a_study_has_the_frequencies_of_the_rotating_sector() -> None:
