@@ -236,6 +236,12 @@ def test_the_reduction_of_a_sector_is_read_from_the_disk(tmp_path: Path, monkeyp
             assert own.dtype == getattr(matrices, name).dtype
     build_model(disk_case(speed="3001 rpm"))
     assert len(list(tmp_path.glob("sector-*.npz"))) == 2
+    first, second = (
+        build_model(disk_case(speed="3001 rpm", coriolis=True)).substructure.require_sector() for _ in range(2)
+    )
+    assert len(list(tmp_path.glob("sector-*.npz"))) == 3
+    for diameter, matrices in first.diameters.items():
+        np.testing.assert_array_equal(second.diameters[diameter].gyroscopic, matrices.gyroscopic)
 
 
 REJECTED: list[tuple[dict[str, Any], str]] = [
@@ -251,9 +257,9 @@ def test_keys_that_two_blades_do_not_have(sections: dict[str, Any], key: str) ->
         Case.from_mapping({**copy.deepcopy(EXAMPLES["two-blade"]), **sections})
 
 
-@pytest.mark.parametrize("key", ["axis", "point", "coriolis", "top_speed"])
+@pytest.mark.parametrize("key", ["axis", "point", "top_speed"])
 def test_keys_that_a_sector_does_not_have(key: str) -> None:
-    value = {"axis": [0, 0, 1], "point": ["1 mm", "0 mm", "0 mm"], "coriolis": True, "top_speed": "4000 rpm"}[key]
+    value = {"axis": [0, 0, 1], "point": ["1 mm", "0 mm", "0 mm"], "top_speed": "4000 rpm"}[key]
     with rejects(StudyFileError, f"rotation.{key}"):
         disk_case(speed="3000 rpm", **{key: value})
 
@@ -361,3 +367,30 @@ def test_the_gradient_of_a_peak_by_the_speed_is_that_of_two_more_runs(tmp_path: 
         (gradients.by_amplitude, peaks[1].amplitude - peaks[0].amplitude),
     ):
         assert 120.0 * of_peak[place] == pytest.approx(expected, rel=2e-3)
+
+
+def test_coriolis_forces_of_a_disk_are_those_of_the_rotating_sector() -> None:
+    model = build_model(disk_case(speed="9000 rpm", coriolis=True))
+    sector = model.in_study.sector
+    assert sector is not None
+    symmetry = sector.symmetry
+    reduced = model.substructure.require_sector()
+    assert reduced.has_coriolis
+    for direction in ("forward", "backward"):
+        full = ss.sector_frequencies(
+            sector.structure,
+            symmetry,
+            (1, 4),
+            8,
+            gyroscopic=sector.gyroscopic,
+            direction=direction,
+        )
+        for diameter, expected in full.items():
+            found = reduced.natural_frequencies(diameter, 8, direction)
+            np.testing.assert_allclose(found[6:], expected[6:], rtol=5e-3)
+    backward, forward = (reduced.natural_frequencies(1, 8, way)[6] for way in ("backward", "forward"))
+    assert backward > 1.003 * forward
+    case = disk_case(speed="9000 rpm", coriolis=True)
+    assert not any("Coriolis" in words for words in kind_of(case).warnings(case))
+    still = disk_case(speed="9000 rpm")
+    assert any("rotation.coriolis = true" in words for words in kind_of(still).warnings(still))

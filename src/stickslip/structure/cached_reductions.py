@@ -46,7 +46,8 @@ def cached_sector(
 ) -> CyclicSector:
     """The sector ``reduce()`` for all nodal diameters, from the disk if it was computed before."""
     made: list[CyclicSector] = []
-    names = ("mass", "stiffness", "modes")
+    whirl = sector.gyroscopic
+    names = ("mass", "stiffness", "modes", *(() if whirl is None else ("gyroscopic",)))
 
     def compute() -> Arrays:
         made.append(reduce())
@@ -56,7 +57,8 @@ def cached_sector(
     symmetry = sector.symmetry
     axis = (symmetry.left, symmetry.right, symmetry.direction, symmetry.point)
     numbers = np.array([symmetry.sectors, n_modes])
-    arrays = cached_arrays("sector", input_digest(sector.structure, nodes, *axis, numbers), compute)
+    coriolis = () if whirl is None else (whirl.indptr, whirl.indices, whirl.data)
+    arrays = cached_arrays("sector", input_digest(sector.structure, nodes, *axis, numbers, *coriolis), compute)
     if made:
         return made[0]
     stored = {

@@ -25,10 +25,14 @@ from stickslip.structure.superelement import PairsOfNodes
 
 @dataclass(frozen=True)
 class SectorStructure:
-    """The structure of one sector with both its boundaries, and how it continues in the next sector."""
+    """The structure of one sector with both its boundaries, and how it continues in the next sector.
+
+    ``gyroscopic`` csr (n_free, n_free) N s/m are its Coriolis forces, or None.
+    """
 
     structure: Structure
     symmetry: CyclicSymmetry
+    gyroscopic: Any = None
 
     @property
     def mesh(self) -> Mesh:
@@ -38,18 +42,22 @@ class SectorStructure:
     @cached_property
     def model(self) -> LaggedModel:
         """The matrices for any phase lag. Raises InputError, see :func:`lagged_model`."""
-        return lagged_model(self.structure, self.symmetry)
+        return lagged_model(self.structure, self.symmetry, self.gyroscopic)
 
     def reduced(
         self, nodes: IntArray, n_modes: int, threads: int = 1, progress: ProgressCallback | None = None
     ) -> CyclicSector:
         """The sector in the unknowns of nodes, for all nodal diameters. See :func:`cyclic_sector`."""
-        return cyclic_sector(self.structure, self.symmetry, nodes, n_modes=n_modes, threads=threads, progress=progress)
+        return cyclic_sector(
+            self.structure, self.symmetry, nodes, n_modes=n_modes, gyroscopic=self.gyroscopic, threads=threads,
+            progress=progress,
+        )  # fmt: skip
 
     def stuck_frequencies(self, pairs: PairsOfNodes, springs: FloatArray, diameter: int, count: int) -> FloatArray:
         """(count,) Hz, the lowest natural frequencies of a nodal diameter with stuck pairs.
 
         ``springs`` (3 * n_pairs,) N/m are those of the pairs; a body that moves freely has frequencies near 0 Hz.
+        Without Coriolis forces.
         """
         stiffness, mass, _ = self.model.at(diameter, self.symmetry.sectors)
         lag = self._lag(diameter)

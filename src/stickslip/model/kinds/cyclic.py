@@ -33,7 +33,13 @@ from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.layout import Derived, Layout, NodeGroup
 from stickslip.model.overlap import require_single_joints
-from stickslip.model.rotation import free_body_messages, rotating_sector, speed_facts, speed_messages
+from stickslip.model.rotation import (
+    ADD_CORIOLIS,
+    free_body_messages,
+    rotating_sector,
+    speed_facts,
+    speed_messages,
+)
 from stickslip.solve.excitation import TravellingWave
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Hexahedron, Material
@@ -69,6 +75,7 @@ class CyclicSetup:
     sector: MeshSetup
     symmetry: CyclicSymmetry
     speed: float = 0.0  # rad/s
+    coriolis: bool = False
 
     @property
     def layout(self) -> Layout:
@@ -82,7 +89,7 @@ class CyclicSetup:
         with keys_of_section("structure"):
             sector = SectorStructure(structure, self.symmetry)
             _ = sector.model  # its constraints are those of both boundaries
-        return sector if not self.speed else rotating_sector(sector, self.speed)
+        return sector if not self.speed else rotating_sector(sector, self.speed, self.coriolis)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """The sizes of the sector, and the disk."""
@@ -127,7 +134,7 @@ class CyclicKind(OwnKind[CyclicCase]):
         if isinstance(section, SectorMeshSection) and section.element is not None:
             element = section.element
         sector = MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values()))
-        return CyclicSetup(sector, symmetry, self.rotation_speed(case))
+        return CyclicSetup(sector, symmetry, self.rotation_speed(case), _has_coriolis(case))
 
     def find_layout(self, case: CyclicCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the sector; ``mesh`` must be that of :func:`set_up`."""
@@ -157,17 +164,21 @@ class CyclicKind(OwnKind[CyclicCase]):
                 f"{wave.direction} wave; all forces travel with it",
             ),
             ("Sectors", "all alike", "-", "amplitudes, energies and forces are those of each one, at another time"),
-            *speed_facts(self.rotation_speed(case)),
+            *speed_facts(self.rotation_speed(case), _has_coriolis(case)),
         )
 
     def warnings(self, case: CyclicCase) -> tuple[str, ...]:
         """What a rotation does not change."""
-        return tuple(speed_messages(self.rotation_speed(case), loads_follow=False))
+        return tuple(speed_messages(self.rotation_speed(case), False, _has_coriolis(case), ADD_CORIOLIS))
 
     def _excitation_words(self, case: CyclicCase) -> list[str]:
         wave = self.wave(case)
         forces = super()._excitation_words(case)
         return [f"{wave.direction.capitalize()} wave of engine order {wave.engine_order}: {' and '.join(forces)}"]
+
+
+def _has_coriolis(case: CyclicCase) -> bool:
+    return case.rotation is not None and case.rotation.coriolis
 
 
 def _source(section: SectorMeshSection | BladedDiskSection) -> ImportedModel:
