@@ -27,6 +27,7 @@ from stickslip.case.consistency import (
     excitation_errors,
     frd_errors,
     joint_errors,
+    mistuning_errors,
     place_errors,
     preload_errors,
     rotation_errors,
@@ -35,7 +36,7 @@ from stickslip.case.consistency import (
     unchosen_stiffness_errors,
     wear_errors,
 )
-from stickslip.case.cyclic_sections import CyclicStructure, TravellingWaveSection
+from stickslip.case.cyclic_sections import CyclicStructure, MistuningSection, TravellingWaveSection
 from stickslip.case.damper_rules import damper_errors, with_two_blade_defaults
 from stickslip.case.dotted_keys import parts_of_key, with_values
 from stickslip.case.explained import explained
@@ -330,6 +331,13 @@ class CyclicCase(SolidCase):
     structure: CyclicStructure
     travelling_wave: TravellingWaveSection | None = Field(default=None, description=TravellingWaveSection.__doc__)
     rotation: SectorRotationSection | None = Field(default=None, description=SectorRotationSection.__doc__)
+    mistuning: MistuningSection | None = Field(default=None, description=MistuningSection.__doc__)
+
+    @property
+    def input_files(self) -> dict[str, str]:
+        """Key or name of an interface -> file that the case reads."""
+        own = self.mistuning.file if self.mistuning is not None else None
+        return super().input_files if own is None else {**super().input_files, "mistuning.file": own}
 
     def _misfits(self) -> Iterator[EntryError]:
         if self.travelling_wave is None:
@@ -339,6 +347,8 @@ class CyclicCase(SolidCase):
             )
         yield from frd_errors(self.output, "a sector of a disk")
         yield from sector_errors(self.analysis, self.preload, self.damping, self.static_loads, self.unbalance)
+        if self.mistuning is not None:
+            yield from mistuning_errors(self.damping, self.forces)
         yield from self._own_misfits((), {"forces": self.forces}, has_areas=True)
 
 

@@ -14,8 +14,8 @@ from stickslip.case.template import is_named, section_types, study_text
 SECTIONS = (
     "study", "structure", "geometry", "damper", "mesh", "material", "bodies", "reduction", "roughness",
     "contact_stiffness", "friction", "interfaces", "ties", "preload", "damping", "excitation", "forces", "base_motion",
-    "travelling_wave", "unbalance", "responses", "static_loads", "pressures", "gravity", "rotation", "reference",
-    "analysis", "solver", "output",
+    "travelling_wave", "unbalance", "responses", "static_loads", "pressures", "gravity", "rotation", "mistuning",
+    "reference", "analysis", "solver", "output",
 )  # fmt: skip
 
 SHOWN_CHANGES = 4  # chosen: one line of a terminal or two
@@ -86,7 +86,8 @@ class CaseContent(BaseModel):
         """Whether the study file of this case contains a section, possibly as a comment."""
         if name == "structure":
             return bool(self.sections[name].kind != "two-blade")
-        return bool(self.sections.get(name)) or name in ("roughness", "contact_stiffness", "reference")
+        as_comment = ("roughness", "contact_stiffness", "mistuning", "reference")
+        return bool(self.sections.get(name)) or (name in as_comment and name in self.sections)
 
     @classmethod
     def case_classes(cls) -> tuple[type[CaseContent], ...]:

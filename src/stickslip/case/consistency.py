@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
-from stickslip.case.own_sections import OwnPreloadSection, PlaceSection, RotationSection
+from stickslip.case.own_sections import ForceSection, OwnPreloadSection, PlaceSection, RotationSection
 from stickslip.case.sections import DampingSection, OutputSection, PreloadSection, SolverSection
 from stickslip.case.two_blade_sections import ROTATING, DamperFrictionSection, WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES, Declaration
@@ -281,6 +281,23 @@ def sector_errors(
             ("damping", "modal_damping_ratio"),
             "is 0, but a sector of a disk requires viscous damping. Give it, 0.001 is usual for metal.",
         )
+
+
+def mistuning_errors(damping: DampingSection, forces: Mapping[str, ForceSection]) -> Iterator[EntryError]:
+    """Damping and forces that a mistuned disk cannot have."""
+    if damping.modal_damping_ratio is None:
+        yield EntryError(
+            ("damping", "modal_damping_ratio"),
+            "is missing, but a disk with [mistuning] must have it: Rayleigh damping is not possible there. Give it, "
+            "0.001 is usual for metal.",
+        )
+    for name, force in forces.items():
+        if force.harmonic != 1:
+            yield EntryError(
+                ("forces", name, "harmonic"),
+                f"is {force.harmonic}, but [mistuning] compares the peaks of one engine order. Set it to 1, or remove "
+                "[mistuning].",
+            )
 
 
 def rotation_errors(rotation: RotationSection | None, analysis: AnalysisSection) -> Iterator[EntryError]:

@@ -4,16 +4,17 @@ wave that excites it."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from stickslip.case.own_sections import MeshFileSection, Place
-from stickslip.case.quantities import Direction, Elements, Length
-from stickslip.case.section import Required, Section, chosen_by, has_value
+from stickslip.case.quantities import Direction, Elements, FileName, Length
+from stickslip.case.section import Required, Section, chosen_by, has_value, instead_of
 from stickslip.case.sections import STRUCTURE_KINDS, StructureSection
 from stickslip.case.two_blade_sections import PlatformAngle
-from stickslip.core.units import Count
+from stickslip.core.errors import InputError
+from stickslip.core.units import LARGEST_INTEGER, Count, Quantity
 
 _MATRICES = dict.fromkeys(
     ("stiffness", "mass", "damping", "unknown_map", "node_positions"),
@@ -21,6 +22,9 @@ _MATRICES = dict.fromkeys(
 )
 _BOUNDARY = "is missing. Give the node or face set of that boundary of the sector, where the next sector begins."
 MOST_SECTORS = 1000  # chosen: a turbine disk has 20 to 150
+MOST_PATTERNS = 100_000  # chosen: some hours of linear disks
+# Natural frequencies of the blades of one disk differ by percents; 30 % is a typing error or another unit.
+DEVIATION = Quantity("pure number", shown="%", at_least=-0.3, at_most=0.3, example='"1.5 %"')
 Sectors = Annotated[int, Count(at_least=2, at_most=MOST_SECTORS)]
 
 
@@ -61,8 +65,9 @@ class SectorMeshSection(MeshFileSection):
 
 class BladedDiskSection(StructureSection):
     """The structure is a disk of equal sectors, each with a blade and a wedge damper to the next one. The disk rotates
-    about z, the blade of the sector stands along x. Its sets: bore, tip, damper middle; faces of the damper: damper
-    here, damper ahead; of the platforms: platform right, platform left. "next NAME" is the set of the next sector."""
+    about z, the blade of the sector stands along x. Its sets: bore, tip, blade (beyond its root), damper middle; faces
+    of the damper: damper here, damper ahead; of the platforms: platform right, platform left. "next NAME" is the set of
+    the next sector."""
 
     foreign: ClassVar[Mapping[str, str]] = {
         **_MATRICES,
@@ -109,3 +114,48 @@ class TravellingWaveSection(Section):
     direction: Literal["forward", "backward"] = Field(
         default="forward", description="the wave reaches the next sector after this one, or before it"
     )
+
+
+class MistuningSection(Section):
+    """Blades that differ: deviations of the natural frequencies that each blade has alone, with its root fixed. The
+    curve of the study stays that of the tuned disk; its amplitude is the unit of the amplification factor."""
+
+    blade: str = Field(default="blade", description="set of the nodes of the blade beyond its root")
+    pattern: tuple[Annotated[float, DEVIATION], ...] | None = Field(
+        default=None, description="deviation of each blade, sector by sector", examples=[["1.5 %", "-0.8 %"]]
+    )
+    file: FileName | None = Field(
+        default=None,
+        description="instead of pattern: a table with the column deviation, such as deviation [%], a line a blade",
+        examples=["blades.csv"],
+    )
+    standard_deviation: (
+        Annotated[float, Quantity("pure number", shown="%", above=0.0, at_most=0.05, example='"1 %"')] | None
+    ) = Field(
+        default=None,
+        description="instead of pattern: of normally distributed random deviations",
+        examples=["1 %"],
+        validate_default=True,
+    )
+    patterns: Annotated[int, Count(at_least=1, at_most=MOST_PATTERNS)] = Field(
+        default=200, description="number of random patterns"
+    )
+    seed: Annotated[int, Count(at_least=0, at_most=LARGEST_INTEGER)] = Field(
+        default=0, description="of the random patterns; the same seed, the same patterns"
+    )
+    friction_curve: bool = Field(
+        default=False,
+        description="also solve the whole disk with friction, for the pattern with the largest linear factor",
+    )
+
+    @field_validator("file")
+    @classmethod
+    def _one_pattern(cls, value: Any, info: ValidationInfo) -> Any:
+        return instead_of(value, info, "pattern")
+
+    @field_validator("standard_deviation")
+    @classmethod
+    def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
+        if value is None and all(key in info.data and info.data[key] is None for key in ("pattern", "file")):
+            raise InputError("or pattern or file must be given. Give exactly one of them.")
+        return instead_of(instead_of(value, info, "pattern"), info, "file")

@@ -54,6 +54,9 @@ def with_absolute_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(structure, dict):
         files = {key: str(folder / structure[key]) for key in _FILE_KEYS if isinstance(structure.get(key), str)}
         data = {**data, "structure": {**structure, **files}}
+    mistuning = data.get("mistuning")
+    if isinstance(mistuning, dict) and isinstance(mistuning.get("file"), str):
+        data = {**data, "mistuning": {**mistuning, "file": str(folder / mistuning["file"])}}
     interfaces = data.get("interfaces")
     if isinstance(interfaces, dict):
         data = {**data, "interfaces": {name: _with_files_in(folder, each) for name, each in interfaces.items()}}

@@ -122,6 +122,8 @@ class Layout:
         m, of the strip that each contact line stands for; None where the bodies touch on faces.
     file_numbers:
         (n_nodes,) and (n_cells,) numbers of nodes and cells in the mesh file; None without a file.
+    blade_nodes:
+        nodes of the blade of a sector beyond its root, whose frequencies differ in a mistuned disk; None for any other.
     """
 
     face_pairs: FacePairs
@@ -137,6 +139,7 @@ class Layout:
     odd_values: tuple[OddValue, ...] = ()
     line_width: float | None = None
     file_numbers: tuple[IntArray, IntArray] | None = None
+    blade_nodes: IntArray | None = None
 
     @cached_property
     def boundary_nodes(self) -> IntArray:

@@ -15,6 +15,7 @@ from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import AnyStructure, Layout, NodeGroup
 from stickslip.solve.excitation import TravellingWave
+from stickslip.structure.blade_alone import BladeAlone
 from stickslip.structure.cache import cached_superelement
 from stickslip.structure.cached_reductions import cached_rotating_superelement, cached_sector
 from stickslip.structure.craig_bampton import ReductionRow, craig_bampton
@@ -62,6 +63,8 @@ class ReducedStructure:
         frequencies of the full and the reduced model with every pair closed, if the study compares them.
     speeds:
         the matrices at all speeds of a rotation, if one reduction is valid for them.
+    blade:
+        the blade alone of a sector whose study has mistuning.
     """
 
     substructure: Substructure
@@ -70,6 +73,7 @@ class ReducedStructure:
     base_inertia: FloatArray | None = None
     mode_table: tuple[ReductionRow, ...] = ()
     speeds: Speeds | None = None
+    blade: BladeAlone | None = None
 
     def at(self, speed: float) -> Substructure:
         """The matrices at a speed in rad/s, if one reduction is valid for several speeds; else those at its own."""
@@ -261,7 +265,11 @@ class _Sector:
             self.sector, nodes, n_modes, lambda: self.sector.reduced(nodes, n_modes, threads, progress)
         )
         rows = {name: _sector_rows(reduced, each) for name, each in layout.node_groups.items()}
-        return ReducedStructure(reduced, rows)
+        blade = None
+        if layout.blade_nodes is not None:
+            with concerning("mistuning.blade"):
+                blade = self.sector.blade(reduced, layout.blade_nodes)
+        return ReducedStructure(reduced, rows, blade=blade)
 
     def stuck_frequencies(
         self, pairs: FacePairs, springs: FloatArray, wave: TravellingWave | None, count: int

@@ -17,6 +17,7 @@ from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.disk_section import DISK
 from stickslip.reporting.gradient_section import GRADIENTS
 from stickslip.reporting.look import Figure
+from stickslip.reporting.mistuning_section import MISTUNING
 from stickslip.reporting.mode_section import NONLINEAR_MODE
 from stickslip.reporting.other_words import OTHER_SOLUTIONS
 from stickslip.reporting.ridge_section import PEAK_RIDGE, PERFORMANCE_CURVE
@@ -181,6 +182,7 @@ SECTIONS = (
     PEAK_RIDGE,
     WEAR,
     DISK,
+    MISTUNING,
     STRUCTURE,
     STRESS,
     Section(

@@ -41,6 +41,7 @@ class Summary:
     ``stiffness_peaks`` (m) and ``stiffness_peaks_hz`` are the ranges of the highest peak over this curve and those with
     another contact stiffness (:class:`stickslip.results.stiffness_band.StiffnessBand`); None without such curves.
     ``stiffness_at_end`` is True if one of these curves has its largest amplitude at an end, so the range is larger.
+    ``amplification_factor`` is that of a mistuned disk (:attr:`stickslip.results.mistuning.Mistuning.factor`).
     """
 
     complete: bool
@@ -68,6 +69,7 @@ class Summary:
     energy_imbalance: float
     peak_energy: float
     peak_energy_frequency_hz: float
+    amplification_factor: float | None = None
     traction_peaks: tuple[float, float] | None = None
     traction_jumps_up_hz: tuple[float, float] | None = None
     traction_jumps_down_hz: tuple[float, float] | None = None
@@ -157,6 +159,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         input_energy=float(response.input_energy[point]),
         first_harmonic=float(response.harmonic_amplitude(output, 1)[point]),
         mean=float(response.coefficients(output)[point, 0]),
+        amplification_factor=None if response.mistuning is None else response.mistuning.factor,
         energy_imbalance=float(np.abs(energy_imbalance(response)).max()),
         peak_energy=float(energy.max()),
         peak_energy_frequency_hz=float(response.frequency_hz[energy.argmax()]),
@@ -228,6 +231,7 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         *reached("Peak of a slow sweep down", result.downward_peak),
         *(_jump_row(jump) for jump in result.notable_jumps),
         *_traction_rows(result),
+        *_mistuning_rows(result),
         ("First harmonic at the highest peak", number(result.first_harmonic, 1e6), "µm"),
         ("Mean there", number(result.mean, 1e6), "µm"),
         ("Shift from the linear stuck peak", shift(result.shift_from_stuck_hz), "Hz"),
@@ -274,6 +278,11 @@ def _traction_rows(result: Summary) -> Iterator[tuple[str, str, str]]:
     for direction, places in (("up", result.traction_jumps_up_hz), ("down", result.traction_jumps_down_hz)):
         if places is not None:
             yield f"Jump of a slow sweep {direction} over them", f"{hertz(places[0])} to {hertz(places[1])}", "Hz"
+
+
+def _mistuning_rows(result: Summary) -> Iterator[tuple[str, str, str]]:
+    if result.amplification_factor is not None:
+        yield "Amplification factor of the mistuned disk", f"{result.amplification_factor:.3f}", "-"
 
 
 def _jump_row(jump: Jump) -> tuple[str, str, str]:
@@ -346,5 +355,10 @@ SUMMARY_COLUMNS: dict[str, tuple[str, str, Callable[[Summary], float | bool | No
     "input_energy_j": ("J", "work of the excitation per cycle at the peak", lambda s: s.input_energy),
     "largest_friction_energy_j": ("J", "largest friction energy per cycle on the curve", lambda s: s.peak_energy),
     "largest_friction_energy_hz": ("Hz", "frequency of that energy", lambda s: s.peak_energy_frequency_hz),
+    "amplification_factor": (
+        "1",
+        "highest amplitude of a blade of the mistuned disk over the tuned one, with friction if it was solved",
+        lambda s: s.amplification_factor,
+    ),
     "energy_imbalance": ("1", "largest energy imbalance on the curve, of the input", lambda s: s.energy_imbalance),
 }

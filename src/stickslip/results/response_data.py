@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
+from stickslip.results.mistuning import Mistuning
 from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.other_solutions import OtherSolutions
 from stickslip.results.part import ResultPart
@@ -102,6 +103,7 @@ class ResponseData(PeriodicMotions):
     performance_curve: PeakRidge | None = field(default=None, metadata=stored(InGroup.of(PeakRidge, optional=True)))
     gradients: PeakGradients | None = field(default=None, metadata=stored(InGroup.of(PeakGradients, optional=True)))
     wear: Wear | None = field(default=None, metadata=stored(InGroup.of(Wear, optional=True)))
+    mistuning: Mistuning | None = field(default=None, metadata=stored(InGroup.of(Mistuning, optional=True)))
 
     @property
     def parts(self) -> dict[str, ResultPart]:

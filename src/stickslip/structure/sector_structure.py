@@ -13,6 +13,8 @@ import scipy.sparse
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
+from stickslip.structure.blade_alone import BladeAlone
+from stickslip.structure.blade_modes import BLADE_MODES, blade_alone, fixed_root_modes
 from stickslip.structure.cyclic_sector import CyclicSector, folded
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
@@ -52,6 +54,15 @@ class SectorStructure:
             self.structure, self.symmetry, nodes, n_modes=n_modes, gyroscopic=self.gyroscopic, threads=threads,
             progress=progress,
         )  # fmt: skip
+
+    def blade_frequencies(self, nodes: IntArray) -> FloatArray:
+        """Hz of the blade alone, whose nodes these are, with its root fixed. Raises InputError, see
+        :func:`stickslip.blade_alone`."""
+        return fixed_root_modes(self.structure, self.symmetry, self.model, nodes, BLADE_MODES)[1]
+
+    def blade(self, sector: CyclicSector, nodes: IntArray) -> BladeAlone:
+        """The blade alone for mistuning, see :func:`stickslip.blade_alone`."""
+        return blade_alone(self.structure, sector, nodes)
 
     def stuck_frequencies(self, pairs: PairsOfNodes, springs: FloatArray, diameter: int, count: int) -> FloatArray:
         """(count,) Hz, the lowest natural frequencies of a nodal diameter with stuck pairs.

@@ -21,6 +21,7 @@ from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
+from stickslip.study.mistuning import with_mistuning
 from stickslip.study.ridge import checked_range, unreported_ridge
 from stickslip.study.wear import wear_of_study, worn_faces
 
@@ -43,7 +44,7 @@ def solve(
     """
     listener = progress or SilentProgress()
     if checks:
-        response = _ANALYSES[type(case.analysis)](case, model, listener, threads)
+        response = with_mistuning(case, model, _ANALYSES[type(case.analysis)](case, model, listener, threads), listener)
     else:
         response = forced_curve(case, model, listener, threads, checks=False, most_points=MOST_POINTS)
     return replace(response, provenance={**response.provenance, **run_provenance()})

@@ -8,10 +8,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
-from stickslip.case.case import Case, TwoBladeCase
+from stickslip.case.case import Case, CyclicCase, TwoBladeCase
 from stickslip.case.load import has_range
+from stickslip.core.errors import concerning
 from stickslip.core.plausible import suspecting
 from stickslip.model.joint import Joint, odd_values
+from stickslip.model.kinds.mistuning import mistuning_words
 from stickslip.model.layout import AnyStructure, Layout
 from stickslip.model.model import kind_of
 from stickslip.model.study_structure import study_structure
@@ -64,6 +66,7 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
                 *_mode(case.analysis),
                 *_ridge(case, setup.layout),
                 *_wear(case, joint),
+                *_mistuning(case, setup.layout, structure),
             ],
         ),
     ]
@@ -147,6 +150,21 @@ def _wear(case: Case, joint: Joint) -> Iterator[tuple[str, str]]:
         motion = "at the highest peak" if at is None else f"at {at:g} Hz"
         alpha = energy_coefficients(analysis, joint).max()
         yield "wear", f"{analysis.wear_cycles:.4g} cycles {motion}, {1e9 * alpha:.3g} mm^3/J"
+
+
+def _mistuning(case: Case, layout: Layout, structure: AnyStructure) -> Iterator[tuple[str, str]]:
+    """The mistuning of a run. Raises InputError for a blade whose root is not fixed."""
+    sector = study_structure(structure).sector
+    if isinstance(case, CyclicCase) and case.mistuning is not None and sector is not None:
+        assert layout.blade_nodes is not None
+        with concerning("mistuning.blade"):
+            alone_hz = sector.blade_frequencies(layout.blade_nodes)
+        limit = 0.5 * (1.0 + math.sqrt(sector.symmetry.sectors))
+        yield "mistuning", f"{mistuning_words(case.mistuning)}; linear, contacts stuck and without contact"
+        if case.mistuning.friction_curve:
+            yield "mistuned disk with friction", "one curve of all sectors, for the pattern with the largest factor"
+        yield "blade alone", ", ".join(map(hertz, alone_hz[:SHOWN_FREQUENCIES])) + " Hz"
+        yield "Whitehead's limit", f"{limit:.3g} times the amplitude of the tuned disk"
 
 
 def _is_undamped(case: Case, structure: AnyStructure) -> bool:

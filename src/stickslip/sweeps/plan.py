@@ -163,6 +163,7 @@ def case_hashes(case: Case) -> tuple[str, str]:
         }
     structure["preload"] = {"method": case.preload.method}  # a solved one has node groups for its load
     structure["excited_at"] = {"base": "base_motion" in inputs}  # its influence needs the mass of the whole mesh
+    structure["mistuning"] = {"blade": inputs.get("mistuning", {}).get("blade")}
     structure["weighs"] = {"given": "gravity" in inputs}
     rotation = dict(inputs.get("rotation", {}))
     if rotation.get("top_speed"):  # one reduction for all speeds; else the stiffness is that at the speed

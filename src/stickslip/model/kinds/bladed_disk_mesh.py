@@ -19,6 +19,7 @@ from stickslip.structure.mesh import IntArray, Mesh
 
 BODIES = ("blade and disk", "damper")
 LEFT, RIGHT = "left boundary", "right boundary"
+BLADE = "blade"  # the nodes beyond its root
 # Numbers of elements; chosen: natural frequencies of the lowest families change by less than 3 % with twice as many.
 DISK_ROWS, SIDE_COLUMNS, BLADE_COLUMNS = 6, 3, 2
 SHANK_ROWS, PLATFORM_ROWS, AIRFOIL_ROWS = 3, 2, 10
@@ -226,13 +227,14 @@ def _extruded(grids: Mapping[str, FloatArray], own: BladedDisk) -> Mesh:
         "platform right": right[0, OVERHANG_COLUMNS:], "platform left": left[-1, OVERHANG_COLUMNS:],
     }  # fmt: skip
     every = np.concatenate(list(cells.values()))
+    beyond_root = np.setdiff1d(np.concatenate([each.ravel() for each in (blade, right, left)]), blade[0])
     return Mesh(
         merged,
         every,
         np.repeat([bodies[name] for name in cells], [len(each) for each in cells.values()]),
         {
             "bore": np.unique(disk[0]), LEFT: np.unique(disk[:, 0]), RIGHT: np.unique(disk[:, -1]),
-            "tip": np.array([tip]), "damper middle": np.array([damper[0, first, layers.size // 2]]),
+            "tip": np.array([tip]), BLADE: beyond_root, "damper middle": np.array([damper[0, first, layers.size // 2]]),
         },
         BODIES,
         {name: (_sides(every, np.unique(nodes)),) for name, nodes in faces.items()},

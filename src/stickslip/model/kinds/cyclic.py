@@ -30,6 +30,7 @@ from stickslip.model.kinds.mesh import (
     read_source,
 )
 from stickslip.model.kinds.mesh_support import require_support
+from stickslip.model.kinds.mistuning import blade_nodes
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.layout import Derived, Layout, NodeGroup
 from stickslip.model.overlap import require_single_joints
@@ -129,7 +130,10 @@ class CyclicKind(OwnKind[CyclicCase]):
             _require_free(symmetry, pairings, groups, fixed, source)
         free = () if case.rotation is None else free_body_messages(mesh, fixed)
         messages = (*source.messages, *layout.messages, *free)
-        layout = replace(layout, odd_values=odd_values, messages=messages, body_names=mesh.body_names)
+        blade = None if case.mistuning is None else blade_nodes(case.mistuning, mesh, symmetry.sectors)
+        layout = replace(
+            layout, odd_values=odd_values, messages=messages, body_names=mesh.body_names, blade_nodes=blade
+        )
         element: Hexahedron = "incompatible"
         if isinstance(section, SectorMeshSection) and section.element is not None:
             element = section.element

@@ -47,26 +47,30 @@ class Amplification:
 
     Attributes
     ----------
-    factor:
-        (n_patterns,) highest amplitude of any sector over that of the tuned disk.
+    blade_factor:
+        (n_patterns, N) highest amplitude of each sector over that of the tuned disk.
     peak_hz, sector:
-        (n_patterns,) its frequency and its sector.
+        (n_patterns,) frequency and sector of the highest amplitude of all.
     tuned_peak, tuned_peak_hz:
         m, amplitude and frequency of the peak of the tuned disk.
     sectors:
         number N of sectors.
     at_end:
-        number of patterns, with the tuned disk, whose highest amplitude is at an end of the range, or that have no
-        natural frequency in it (their factor is not a number).
+        number of patterns, with the tuned disk, whose highest amplitude is at an end of the range.
     """
 
-    factor: FloatArray
+    blade_factor: FloatArray
     peak_hz: FloatArray
     sector: NDArray[np.int64]
     tuned_peak: float
     tuned_peak_hz: float
     sectors: int
     at_end: int = 0
+
+    @property
+    def factor(self) -> FloatArray:
+        """(n_patterns,) highest amplitude of any sector over that of the tuned disk."""
+        return np.asarray(self.blade_factor.max(axis=1))
 
     @property
     def converged(self) -> bool:
@@ -80,8 +84,7 @@ class Amplification:
             return "All highest amplitudes are inside the range."
         return (
             f"{self.at_end} of {self.factor.size + 1} disks, with the tuned one, have their highest amplitude at an "
-            "end of the range of frequencies, or no natural frequency in it. A higher amplitude may be outside: widen "
-            "frequency_hz."
+            "end of the range of frequencies. A higher amplitude may be outside: widen frequency_hz."
         )
 
     @property
@@ -140,6 +143,18 @@ def amplification_factors(
         above zero, and a range without resonance of the tuned disk. ConvergenceError instead of a warning with
         ``raise_on_failure``.
     """
+    result = unreported_factors(
+        sector, blade, deviations, wave, output, frequency_hz=frequency_hz, modal_damping_ratio=modal_damping_ratio,
+        pairs=pairs,
+    )  # fmt: skip
+    return reported(result, raise_on_failure)
+
+
+def unreported_factors(
+    sector: CyclicSector, blade: BladeAlone, deviations: ArrayLike, wave: Excitation, output: ArrayLike, *,
+    frequency_hz: tuple[float, float], modal_damping_ratio: float, pairs: ContactPairs | None,
+) -> Amplification:  # fmt: skip
+    """:func:`amplification_factors`, for a caller that reports highest amplitudes at an end of the range itself."""
     require_all_diameters(sector)
     if any(each.damping is not None for each in sector.diameters.values()):
         raise InputError(
@@ -170,24 +185,25 @@ def amplification_factors(
         )
     disk = _TunedDisk.of(sector, blade, wave, row.reshape(-1, sector.size), 2.0 * np.pi * TAKES_PART * high, pairs)
     window = 2.0 * np.pi * low, 2.0 * np.pi * high
-    tuned = disk.highest(np.zeros((sector.sectors, blade.frequency_hz.size)), window, modal_damping_ratio)
-    if tuned is None:
+    count = sector.sectors
+    if not disk.is_excited_in(window):
         raise InputError(
             f"the engine order excites no mode of the tuned disk between {low:g} and {high:g} Hz. Choose another "
             "range.",
             arguments=["frequency_hz"],
         )
-    found = []
-    for pattern in patterns:
-        changes = blade.stiffness_changes(pattern, sector.sectors)
-        peak = disk.highest(changes, window, modal_damping_ratio)
-        found.append((np.nan, np.nan, -1) if peak is None else peak)
-    amplitude, omega, place = (np.array(each) for each in zip(*found, strict=True))
-    result = Amplification(
-        amplitude / tuned[0], omega / (2.0 * np.pi), place.astype(np.int64), tuned[0], tuned[1] / (2.0 * np.pi),
-        sector.sectors, int((~_is_inside(np.append(omega, tuned[1]), window)).sum()),
+    tuned, tuned_omega = disk.highest(np.zeros((count, blade.frequency_hz.size)), window, modal_damping_ratio)
+    best = int(tuned.argmax())
+    changes = (blade.stiffness_changes(pattern, count) for pattern in patterns)
+    found = [disk.highest(each, window, modal_damping_ratio) for each in changes]
+    amplitude, omega = (np.array(each) for each in zip(*found, strict=True))
+    place = amplitude.argmax(axis=1)
+    peak = omega[np.arange(len(patterns)), place]
+    return Amplification(
+        amplitude / tuned[best], peak / (2.0 * np.pi), place, float(tuned[best]),
+        float(tuned_omega[best]) / (2.0 * np.pi), count,
+        int((~_is_inside(np.append(peak, tuned_omega[best]), window)).sum()),
     )  # fmt: skip
-    return reported(result, raise_on_failure)
 
 
 @dataclass(frozen=True)
@@ -239,10 +255,13 @@ class _TunedDisk:
             forces.append(np.sqrt(count) * (kept.conj().T @ load) if travels else np.zeros(kept.shape[1], complex))
         return cls(*(np.hstack(each) for each in (frequencies, participations, outputs, forces)))
 
-    def highest(
-        self, changes: FloatArray, window: tuple[float, float], ratio: float
-    ) -> tuple[float, float, int] | None:
-        """Highest amplitude of any sector in a window (rad/s), its circular frequency and sector; None without modes.
+    def is_excited_in(self, window: tuple[float, float]) -> bool:
+        """Whether the force moves a mode of the tuned disk in a window (rad/s)."""
+        inside = (self.circular_frequency >= window[0]) & (self.circular_frequency <= window[1])
+        return bool(self.force[inside].any())
+
+    def highest(self, changes: FloatArray, window: tuple[float, float], ratio: float) -> tuple[FloatArray, FloatArray]:
+        """(N,) highest amplitude of each sector in a window (rad/s), and its circular frequency.
 
         ``changes`` (N, k) are those of the stiffness of the blades alone.
         """
@@ -252,23 +271,25 @@ class _TunedDisk:
         omega = np.sqrt(np.maximum(squares, 0.0))
         gains = (self.output @ modes) * (modes.conj().T @ self.force)
 
-        def amplitudes(at: FloatArray) -> FloatArray:
+        def amplitudes(rows: ComplexArray, at: FloatArray) -> FloatArray:
             resonance = squares[:, None] - at**2 + 2j * ratio * omega[:, None] * at
-            return np.asarray(np.abs(gains @ (1.0 / resonance)))
+            return np.asarray(np.abs(rows @ (1.0 / resonance)))
 
         inside = omega[(omega >= window[0]) & (omega <= window[1])]
-        if not inside.size or not gains.any():
-            return None
-        grid = np.unique(np.clip((inside[:, None] * (1.0 + ratio * ABOUT)).ravel(), *window))
-        sampled = amplitudes(grid)
-        place, best = divmod(int(sampled.argmax()), grid.size)
-        around = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
-        refined = scipy.optimize.minimize_scalar(
-            lambda at: -float(amplitudes(np.array([at]))[place, 0]), bounds=around, method="bounded",
-            options={"xatol": 1e-4 * ratio * float(grid[best])},
-        )  # fmt: skip
-        top = max((-float(refined.fun), float(refined.x)), (float(sampled[place, best]), float(grid[best])))
-        return top[0], top[1], place
+        around = (inside[:, None] * (1.0 + ratio * ABOUT)).ravel()
+        grid = np.unique(np.clip(np.append(around, window), *window))
+        sampled = amplitudes(gains, grid)
+        top, place = np.empty(len(gains)), np.empty(len(gains))
+        for sector, row in enumerate(gains):
+            best = int(sampled[sector].argmax())
+            bounds = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
+            refined = scipy.optimize.minimize_scalar(
+                lambda at, row=row: -float(amplitudes(row[None], np.array([at]))[0, 0]), bounds=bounds,
+                method="bounded", options={"xatol": 1e-4 * ratio * float(grid[best])},
+            )  # fmt: skip
+            reached = (float(sampled[sector, best]), float(grid[best]))
+            top[sector], place[sector] = max((-float(refined.fun), float(refined.x)), reached)
+        return top, place
 
 
 def _is_inside(omega: FloatArray, window: tuple[float, float]) -> NDArray[np.bool_]:

@@ -1,0 +1,183 @@
+"""Studies with [mistuning]: factors, result files and page, words of check, and bad input."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sentences import rejects
+from stickslip.case.case import Case
+from stickslip.case.examples import EXAMPLES
+from stickslip.case.load import load_case
+from stickslip.core.errors import ImportFileError, InputError, StudyFileError
+from stickslip.model.model import set_up
+from stickslip.reporting.page import page
+from stickslip.results.measures import SUMMARY_COLUMNS, summary
+from stickslip.results.mistuning import Mistuning
+from stickslip.results.storage import load_results, save_results
+from stickslip.solve.cyclic.amplification import amplification_factors
+from stickslip.study.check import check
+from stickslip.study.solution import Solution, solve_case
+from stickslip.sweeps.plan import case_hashes
+
+SECTORS = 20
+RANDOM = {"standard_deviation": "1 %", "patterns": 120, "seed": 3}
+
+
+def data(**mistuning: Any) -> dict[str, Any]:
+    """A small disk with few pairs, whose range contains both linear resonances."""
+    content = copy.deepcopy(EXAMPLES["bladed-disk"])
+    content["structure"] = {"kind": "cyclic", "sectors": SECTORS, "contact_columns": 2, "contact_rows": 1}
+    content["travelling_wave"]["engine_order"] = 4
+    content["analysis"] = {"stiffness_band": False}
+    content["reduction"] = {"modes": 6}
+    content["output"] = {"figure_formats": [], "stress": False, "mode_shapes": 0, "deflected_shape_frames": 0}
+    content["solver"] = {"frequency_start": "470 Hz", "frequency_stop": "620 Hz", "harmonics": 1, "samples": 64}
+    content["mistuning"] = mistuning
+    return content
+
+
+def case(**mistuning: Any) -> Case:
+    return Case.from_mapping(data(**mistuning))
+
+
+@pytest.fixture(scope="module")
+def random_patterns() -> Solution:
+    return solve_case(case(**RANDOM))
+
+
+def result_of(solution: Solution) -> Mistuning:
+    assert solution.response.mistuning is not None
+    return solution.response.mistuning
+
+
+@pytest.mark.slow
+def test_the_factors_are_those_of_the_function(random_patterns: Solution) -> None:
+    result, model = result_of(random_patterns), random_patterns.model
+    blade = model.reduced.blade
+    assert blade is not None
+    for pairs, factors in ((model.pairs, result.stuck_factor), (None, result.free_factor)):
+        expected = amplification_factors(
+            model.substructure.require_sector(), blade, result.deviation, model.excitation,
+            next(iter(model.outputs.values())), frequency_hz=(470.0, 620.0), modal_damping_ratio=0.001, pairs=pairs,
+        )  # fmt: skip
+        np.testing.assert_array_equal(factors, expected.blade_factor)
+    assert result.stuck_factor is not None
+    assert result.stuck_factor.max() == result.factor == result.stuck_factor[result.shown].max()
+    assert 1.05 < result.factor < result.whitehead_limit
+    np.testing.assert_allclose(result.deviation.std(), 0.01, rtol=0.05)
+
+
+@pytest.mark.slow
+def test_results_page_and_tables(random_patterns: Solution, tmp_path: Path) -> None:
+    result, record = result_of(random_patterns), random_patterns.record
+    save_results(tmp_path / "results.nc", random_patterns.response, record)
+    assert load_results(tmp_path / "results.nc").response.mistuning == result
+    text = page(random_patterns.response, record)
+    for words in ("Amplification factor", "Whitehead's limit", *result.words()):
+        assert words.replace("'", "&#39;") in text or words in text
+    tables = {each.name: each for each in result.tables("mistuning")}
+    assert len(tables["mistuning"].columns[0].values) == 120
+    assert tables["mistuned_blades"].columns[2].values == tuple(result.limits["contacts stuck"][result.shown])
+    measures = summary(random_patterns.response, record.outputs[record.response_output])
+    assert SUMMARY_COLUMNS["amplification_factor"][2](measures) == result.factor
+    assert len(result.plot().axes) == 2
+    assert next(result.closing_words("mistuning")).startswith("Mistuning: 120 random patterns")
+
+
+@pytest.mark.slow
+def test_a_given_pattern_of_equal_blades_is_the_tuned_disk(tmp_path: Path) -> None:
+    (tmp_path / "blades.csv").write_text("deviation [%]\n" + SECTORS * "0\n")
+    study = tmp_path / "study.toml"
+    study.write_text(case(file="blades.csv").to_text())
+    result = result_of(solve_case(load_case(study)))
+    for factors in result.limits.values():
+        np.testing.assert_allclose(factors, np.ones((1, SECTORS)), rtol=1e-9)
+    assert len(result.limits) == 2
+    assert "1 % of them" not in " ".join(result.words())
+
+
+@pytest.mark.slow
+def test_a_limit_without_resonance_in_the_range_is_left_out() -> None:
+    content = data(pattern=SECTORS * ["0.5 %"])
+    content["solver"] |= {"frequency_start": "560 Hz", "frequency_stop": "620 Hz"}
+    result = result_of(solve_case(Case.from_mapping(content)))
+    assert list(result.limits) == ["contacts stuck"]
+    assert any("no contact" in warning for warning in result.warnings)
+
+
+def test_check_says_what_a_run_does() -> None:
+    rows = dict(row for _, section in check(case(**RANDOM)) for row in section)
+    assert rows["mistuning"].startswith("120 random patterns with a standard deviation of 1 %, seed 3")
+    assert float(rows["blade alone"].split(",")[0]) == pytest.approx(515.0, rel=0.05)
+    assert rows["Whitehead's limit"].startswith("2.74 times")
+
+
+def test_patterns_are_inputs_of_a_case_but_not_of_its_structure() -> None:
+    one, other = (case_hashes(case(**RANDOM | {"seed": seed})) for seed in (1, 2))
+    assert one[0] != other[0]
+    assert one[1] == other[1]
+
+
+@pytest.mark.parametrize(
+    ("mistuning", "key"),
+    [
+        ({"pattern": ["1 %"]}, "mistuning.pattern"),
+        ({"standard_deviation": "1 %", "blade": "wing"}, "mistuning.blade"),
+    ],
+)
+def test_patterns_and_blades_that_do_not_fit(mistuning: dict[str, Any], key: str) -> None:
+    with rejects(InputError, key):
+        set_up(case(**mistuning))
+
+
+def test_a_file_with_another_number_of_blades(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("blades.csv").write_text("deviation [%]\n1\n2\n")
+    with rejects(InputError, "mistuning.file"):
+        set_up(case(file="blades.csv"))
+    Path("blades.csv").write_text("deviation [%]\n-120\n2\n")
+    with rejects(ImportFileError, "mistuning.file"):
+        set_up(case(file="blades.csv"))
+
+
+def test_a_blade_with_its_root() -> None:
+    with rejects(InputError, "mistuning.blade"):
+        check(case(standard_deviation="1 %", blade="left boundary"))
+
+
+@pytest.mark.parametrize(
+    ("mistuning", "key"),
+    [
+        ({}, "standard_deviation"),
+        ({"pattern": SECTORS * ["1 %"], "standard_deviation": "1 %"}, "standard_deviation"),
+        ({"pattern": SECTORS * ["1 %"], "file": "blades.csv"}, "file"),
+        ({"pattern": ["-100 %", *(SECTORS - 1) * ["0 %"]]}, "pattern"),
+        ({"standard_deviation": "20 %"}, "standard_deviation"),
+    ],
+    ids=["nothing", "two sources", "two patterns", "no stiffness", "too large"],
+)
+def test_sections_that_are_rejected(mistuning: dict[str, Any], key: str) -> None:
+    with rejects(StudyFileError, f"mistuning.{key}"):
+        case(**mistuning)
+
+
+def test_a_disk_that_cannot_have_mistuning() -> None:
+    content = data(**RANDOM)
+    content["damping"] = {"rayleigh_beta": "1e-6 s"}
+    with rejects(StudyFileError, "damping.modal_damping_ratio"):
+        Case.from_mapping(content)
+    content = data(**RANDOM)
+    content["forces"]["gas"]["harmonic"] = 2
+    content["solver"]["harmonics"] = 2
+    with rejects(StudyFileError, "forces.gas.harmonic"):
+        Case.from_mapping(content)
+
+
+def test_mistuning_of_a_structure_without_sectors() -> None:
+    with rejects(StudyFileError, "mistuning"):
+        Case.from_mapping({"mistuning": RANDOM})
