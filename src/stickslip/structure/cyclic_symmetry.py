@@ -104,8 +104,9 @@ class CyclicSymmetry:
         wrong = np.intersect1d(nodes, self.right)
         if wrong.size:
             raise InputError(
-                f"node {wrong[0]} is on the right boundary of the sector ({wrong.size} of {nodes.size} nodes are). This "
-                "boundary is tied to the left one: it follows other nodes. Choose nodes off it, or match the boundaries.",
+                f"node {wrong[0]} is on the right boundary of the sector ({wrong.size} of {nodes.size} nodes are). "
+                "This boundary is tied to the left one: it follows other nodes. Choose nodes off it, or match the "
+                "boundaries.",
                 arguments=["nodes"],
             )
 
