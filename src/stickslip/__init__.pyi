@@ -133,6 +133,7 @@ from .structure.stress import nodal_stress as nodal_stress
 from .structure.stress_cycle import StressCycle as StressCycle
 from .structure.stress_cycle import stress_cycle as stress_cycle
 from .structure.superelement import Superelement as Superelement
+from .structure.tied_boundaries import tied_symmetry as tied_symmetry
 from .study.compare import compare as compare
 from .study.export import export_contact as export_contact
 from .study.export import export_tables as export_tables

@@ -52,6 +52,7 @@ class Disk(Labelled):
                 ("nodal_diameter", "family"),
                 "Hz",
                 "natural frequencies of waves against the excitation, contacts closed at rest stuck",
+                optional=True,
             )
         ),
     )

@@ -55,7 +55,9 @@ def cached_sector(
         return {f"{name}-{diameter}": getattr(each, name) for diameter, each in every for name in names}
 
     symmetry = sector.symmetry
-    axis = (symmetry.left, symmetry.right, symmetry.direction, symmetry.point)
+    axis = [symmetry.left, symmetry.right, symmetry.direction, symmetry.point]
+    if symmetry.is_tied:
+        axis += [getattr(symmetry.weights, name) for name in ("indptr", "indices", "data")]
     numbers = np.array([symmetry.sectors, n_modes])
     coriolis = () if whirl is None else (whirl.indptr, whirl.indices, whirl.data)
     arrays = cached_arrays("sector", input_digest(sector.structure, nodes, *axis, numbers, *coriolis), compute)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
@@ -84,6 +83,7 @@ def cyclic_sector(
     followers = np.isin(nodes, symmetry.right)
     if followers.any():
         node = int(nodes[followers][0])
+        symmetry.homes(nodes)  # of tied boundaries it has no partner
         partner = int(symmetry.left[symmetry.right == node][0])
         raise InputError(
             f"boundary_nodes names node {node} of the right boundary ({int(followers.sum())} such nodes), which is "
@@ -214,9 +214,28 @@ def boundary_unknowns(structure: FullModel, symmetry: CyclicSymmetry) -> tuple[I
     position = np.full(structure.full_size, -1)
     position[structure.free_unknowns] = np.arange(structure.free_unknowns.size)
     left, right = (position[3 * nodes[:, None] + np.arange(3)].ravel() for nodes in (symmetry.left, symmetry.right))
-    _require_same_constraints(left >= 0, right >= 0, symmetry)
-    rotation = scipy.sparse.kron(scipy.sparse.identity(symmetry.left.size), symmetry.rotation(), format="csr")
-    return left[left >= 0], right[right >= 0], rotation[right >= 0][:, left >= 0]
+    follows = symmetry.following()
+    if symmetry.is_tied:
+        _require_constraints_that_follow(left >= 0, right >= 0, symmetry, follows)
+    else:
+        _require_same_constraints(left >= 0, right >= 0, symmetry)
+    return left[left >= 0], right[right >= 0], follows[right >= 0][:, left >= 0]
+
+
+def _require_constraints_that_follow(left_free: Any, right_free: Any, symmetry: CyclicSymmetry, follows: Any) -> None:
+    """Raise InputError unless constrained displacements of a tied right boundary follow constrained ones alone, and
+    free ones at least one that is free."""
+    moved = np.asarray(abs(follows[:, left_free]).sum(axis=1)).ravel() > SAME_CONSTRAINT
+    wrong = np.flatnonzero(moved != right_free)
+    if wrong.size:
+        node, axis = symmetry.right[wrong[0] // 3], "xyz"[wrong[0] % 3]
+        says, other = ("free", "constrained") if right_free[wrong[0]] else ("constrained", "free")
+        raise InputError(
+            f"node {node} of the right boundary is {says} along {axis}, but what it follows on the left one is {other} "
+            f"({wrong.size} displacements differ): a constraint of one boundary must be that of the other one, "
+            "rotated. Constrain both, or none.",
+            arguments=["left", "right"],
+        )
 
 
 def _require_same_constraints(left_free: Any, right_free: Any, symmetry: CyclicSymmetry) -> None:

@@ -124,15 +124,13 @@ class SectorStructure:
 
     def _displacements(self, lag: complex) -> Any:
         """csr (3 * n_nodes, n) complex: displacements of the mesh from the unknowns of the model, with the lag to the
-        next sector. The right boundary is ``lag R`` times the left one."""
+        next sector. The right boundary is ``lag`` times what it follows on the left one."""
         size, remaining = self.structure.full_size, self.structure.free_unknowns[self.model.remaining]
         here = scipy.sparse.csr_matrix(
             (np.ones(remaining.size), (remaining, np.arange(remaining.size))), shape=(size, remaining.size)
         )
-        count = self.symmetry.left.size
         left, right = (
             (3 * nodes[:, None] + np.arange(3)).ravel() for nodes in (self.symmetry.left, self.symmetry.right)
         )
-        rotation = scipy.sparse.kron(scipy.sparse.identity(count), self.symmetry.rotation(), format="csr")
-        ahead = scipy.sparse.csr_matrix((np.ones(3 * count), (right, np.arange(3 * count))), shape=(size, 3 * count))
-        return (here + lag * (ahead @ (rotation @ here[left]))).tocsr()
+        ahead = scipy.sparse.csr_matrix((np.ones(right.size), (right, np.arange(right.size))), shape=(size, right.size))
+        return (here + lag * (ahead @ (self.symmetry.following() @ here[left]))).tocsr()

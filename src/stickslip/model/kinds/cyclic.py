@@ -48,6 +48,7 @@ from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import connected_parts, model_oddities
 from stickslip.structure.sector_boundaries import Axis, cyclic_symmetry, with_next_sector
 from stickslip.structure.sector_structure import SectorStructure
+from stickslip.structure.tied_boundaries import tied_symmetry
 
 # chosen: all nodes of forces and responses remain unknowns of the sector, and their number squared is its matrix.
 MOST_NODES_OF_A_PLACE = 200
@@ -97,7 +98,7 @@ class CyclicSetup:
         symmetry = self.symmetry
         axis, point = (", ".join(f"{each:.4g}" for each in row) for row in (symmetry.direction, 1e3 * symmetry.point))
         disk = f"{symmetry.sectors} sectors about ({axis}) through ({point}) mm"
-        return (("disk", disk), ("pairs of boundary nodes", f"{symmetry.left.size}"), *self.sector.sizes())
+        return (("disk", disk), ("boundaries", symmetry.boundary_words()), *self.sector.sizes())
 
     def write_places(self, folder: Path) -> tuple[Path, ...]:
         """The pairs, and the points of their faces without a partner."""
@@ -221,6 +222,8 @@ def _symmetry(section: SectorMeshSection | BladedDiskSection, mesh: Mesh) -> Cyc
     if section.axis is not None:
         axis = (section.axis_point or (0.0, 0.0, 0.0), section.axis)
     try:
+        if section.tied:
+            return tied_symmetry(mesh, section.left, section.right, sectors=section.sectors, axis=axis)
         return cyclic_symmetry(mesh.points, left, right, sectors=section.sectors, axis=axis)
     except InputError as error:
         error.concern(*(f"structure.{name}" for name in error.keys))
@@ -322,7 +325,9 @@ def _require_free(
     constrained = np.unique(fixed // 3)
     named = {f"interfaces.{name}": each.pairs.nodes for name, each in pairings.items()}
     for name, nodes in (named | {name: each.nodes for name, each in groups.items()}).items():
-        wrong = np.intersect1d(symmetry.own_nodes(nodes), constrained)
+        with named_entry(name):
+            own = symmetry.own_nodes(nodes)
+        wrong = np.intersect1d(own, constrained)
         if wrong.size:
             label = source.shown(source.node_labels[wrong[0]])
             raise InputError(
