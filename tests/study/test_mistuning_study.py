@@ -65,8 +65,9 @@ def test_the_factors_are_those_of_the_function(random_patterns: Solution) -> Non
             model.substructure.require_sector(), blade, result.deviation, model.excitation,
             next(iter(model.outputs.values())), frequency_hz=(470.0, 620.0), modal_damping_ratio=0.001, pairs=pairs,
         )  # fmt: skip
-        np.testing.assert_array_equal(factors, expected.blade_factor)
+        np.testing.assert_allclose(factors, expected.blade_factor, rtol=1e-6)  # the tolerance of its search for peaks
     assert result.stuck_factor is not None
+    assert result.factor is not None
     assert result.stuck_factor.max() == result.factor == result.stuck_factor[result.shown].max()
     assert 1.05 < result.factor < result.whitehead_limit
     np.testing.assert_allclose(result.deviation.std(), 0.01, rtol=0.05)
