@@ -65,6 +65,7 @@ def test_the_factors_are_those_of_the_function(random_patterns: Solution) -> Non
             model.substructure.require_sector(), blade, result.deviation, model.excitation,
             next(iter(model.outputs.values())), frequency_hz=(470.0, 620.0), modal_damping_ratio=0.001, pairs=pairs,
         )  # fmt: skip
+        assert factors is not None
         np.testing.assert_allclose(factors, expected.blade_factor, rtol=1e-6)  # the tolerance of its search for peaks
     assert result.stuck_factor is not None
     assert result.factor is not None
