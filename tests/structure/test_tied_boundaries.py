@@ -89,6 +89,18 @@ def test_boundaries_that_match_give_the_same_as_without_ties() -> None:
         np.testing.assert_allclose(one[diameter], other[diameter], rtol=1e-10)
 
 
+def test_a_speed_has_the_same_effects_with_ties() -> None:
+    mesh = graded((3, 2, 1))
+    plain = ss.cyclic_symmetry(mesh.points, mesh.node_sets["left"], mesh.node_sets["right"])
+    found = []
+    for symmetry in (plain, tied(mesh)):
+        rotor = ss.rotating(clamped(mesh), (0, 0, 1), symmetry=symmetry)
+        whirl = rotor.coriolis_at(12_000.0)
+        found.append(ss.sector_frequencies(rotor.at(12_000.0), symmetry, range(4), 4, gyroscopic=whirl))
+    for diameter in range(4):
+        np.testing.assert_allclose(found[1][diameter], found[0][diameter], rtol=1e-9)
+
+
 @pytest.mark.parametrize("mesh", [graded((3, 2, 2), 0.4), wedges(3, 5), wedges(2, 4)], ids=["graded", "3:5", "2:4"])
 def test_patch_of_constant_strain(mesh: Any) -> None:
     """Fields of constant strain that the disk has alike in all sectors satisfy the ties, with their exact energy."""
