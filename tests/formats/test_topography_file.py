@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import sys
 import zipfile
 from hashlib import md5
@@ -52,10 +53,45 @@ def write_x3p(path: Path, heights: np.ndarray, spacing: tuple[float, float]) -> 
     return path
 
 
+def write_gwy(path: Path, heights: np.ndarray, spacing: tuple[float, float]) -> Path:
+    """A file of Gwyddion with heights (n_y, n_x) in m, by the chapter "Gwyddion native format" of its user guide."""
+
+    def item(name: str, kind: str, data: bytes) -> bytes:
+        return name.encode() + b"\0" + kind.encode() + data
+
+    def thing(name: str, *items: bytes) -> bytes:
+        body = b"".join(items)
+        return name.encode() + b"\0" + struct.pack("<I", len(body)) + body
+
+    metre = thing("GwySIUnit", item("unitstr", "s", b"m\0"))
+    field = [
+        *(item(f"{axis}res", "i", struct.pack("<i", count)) for axis, count in zip("yx", heights.shape, strict=True)),
+        *(
+            item(f"{axis}real", "d", struct.pack("<d", count * step))
+            for axis, count, step in zip("yx", heights.shape, spacing, strict=True)
+        ),
+        *(item(f"si_unit_{axes}", "o", metre) for axes in ("xy", "z")),
+        item("data", "D", struct.pack("<I", heights.size) + heights.astype("<f8").tobytes()),
+    ]
+    entries = item("/0/data", "o", thing("GwyDataField", *field)), item("/0/data/title", "s", b"height\0")
+    path.write_bytes(b"GWYP" + thing("GwyContainer", *entries))
+    return path
+
+
 def bumps(rows: int = 60, columns: int = 90) -> np.ndarray:
     """Waves of 1 um without any tilt or curvature over the map."""
     y, x = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
     return np.asarray(1e-6 * np.cos(2 * np.pi * x / 9) * np.cos(2 * np.pi * y / 6))
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("package")
+def test_a_file_of_gwyddion_has_its_own_units_and_axes(tmp_path: Path) -> None:
+    found = read_topography(write_gwy(tmp_path / "face.gwy", bumps(), (2e-6, 1e-6)))
+    assert found.heights.shape == (60, 90)
+    assert found.spacing == pytest.approx((2e-6, 1e-6))
+    assert found.missing == 0
+    assert found.heights == pytest.approx(bumps(), abs=0.02e-6)
 
 
 @pytest.mark.slow

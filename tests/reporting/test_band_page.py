@@ -53,6 +53,13 @@ def test_the_band_of_curves_is_that_of_the_samples() -> None:
     assert max(value for value in lines if value is not None) == pytest.approx(1e6 * max(PEAKS), rel=1e-5)
 
 
+def test_the_page_begins_with_its_result_in_words() -> None:
+    text = html.unescape(page_of(band_statistics(PEAKS, ["peak_amplitude < 0.25 mm"])))
+    answer = text[text.index('<div class="answer">') : text.index('<section class="tiles"')]
+    assert "The highest peak is 200 µm in the median, and between 110 and 290 µm in 90 % of 32 samples." in answer
+    assert "8 of 32 samples do not satisfy peak_amplitude < 0.25 mm; of all structures," in answer
+
+
 def test_the_page_says_which_checks_its_samples_lack() -> None:
     assert "samples have no search for" in page_of(band_statistics(PEAKS))
 

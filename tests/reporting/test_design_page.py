@@ -71,6 +71,7 @@ def test_the_page_says_what_the_optimum_costs_and_why_designs_failed() -> None:
     assert "300 in the study, −43.3 %" in text
     assert "No result: No &lt;first&gt; point." in text
     assert "A limit is violated by 50 %." in text
+    assert "The best design has centrifugal force 235 N: highest peak 170 µm in the worst of 2 load cases" in text
 
 
 def test_a_design_without_an_optimum_has_a_page() -> None:

@@ -17,6 +17,7 @@ from sketches import stacked_boxes
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import ContactState
+from stickslip.contact.pairing.pairing_result import FROM_PAIRING
 from stickslip.core.errors import InputError
 from stickslip.reporting import page as page_module
 from stickslip.reporting import page_data as page_data_module
@@ -241,6 +242,17 @@ def test_a_study_without_roughness_has_no_rough_face(case):
     text = without_plotly(page(case[0], dataclasses.replace(case[1], rough_patch=None)))
     assert "Rough face" not in text
     assert "rough-map" not in text
+
+
+def test_quantities_from_the_pairing_are_folded(case):
+    response, study = case
+    derived = (("Pressure", 1.5, "MPa", "mean"), ("Contact pairs, sole", 24, "-", FROM_PAIRING))
+    text = without_plotly(page(response, dataclasses.replace(study, derived=derived)))
+    table, folded = text[text.index("<h2>Derived") : text.index("<h2>Inputs")].split("<details")
+    assert "Pressure" in table
+    assert "Contact pairs, sole" not in table
+    assert "<summary>From the pairing of the contact faces (1)</summary>" in folded
+    assert "Contact pairs, sole" in folded
 
 
 def test_digits_of_tables(case):

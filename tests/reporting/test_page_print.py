@@ -39,3 +39,28 @@ def test_a_heading_stays_on_the_page_of_its_first_plot(tmp_path: Path) -> None:
     for heading, height in checked.items():
         # maps in two columns are smaller on paper
         assert height - MARGIN_PT >= 0.6 * plots[heading], f"{heading}: its plot is on the next page"
+
+
+# Of the figure of signals, px below its upper edge: end of the upper plot, legend from ... to, begin of the lower plot.
+_BETWEEN = """() => {
+  const plot = document.getElementById('signals'), look = plot._fullLayout, size = look._size;
+  const legend = plot.querySelector('.legend2').getBoundingClientRect(), edge = plot.getBoundingClientRect().top;
+  const down = (fraction) => size.t + (1 - fraction) * size.h;
+  return [down(look.yaxis.domain[0]), legend.top - edge, legend.bottom - edge, down(look.yaxis2.domain[1])];
+}"""
+
+
+def test_the_legend_between_forces_and_displacements_covers_no_curve(tmp_path: Path) -> None:
+    report = tmp_path / "report.html"
+    write_page(report, synthetic_response(), synthetic_study())
+    with opened_browser() as browser, opened_page(browser, report) as page:
+        page.emulate_media(media="print")
+        page.wait_for_selector("#signals[data-height]")
+        page.wait_for_timeout(300)
+        printed = page.evaluate(_BETWEEN)
+        page.emulate_media(media="screen")
+        page.wait_for_selector("#signals:not([data-height])")
+        page.wait_for_timeout(300)
+        shown = page.evaluate(_BETWEEN)
+    assert printed == sorted(printed)
+    assert shown == sorted(shown)

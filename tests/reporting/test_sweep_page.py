@@ -107,7 +107,7 @@ def test_each_key_has_one_style_on_the_whole_page() -> None:
     assert {colour for colour, _, _ in styles} == {"#1b2a41"}
     limits = [trace for trace in figures["performance-load"]["data"] if trace["name"] == "linear, stuck"]
     assert len({(trace["line"]["dash"], trace["marker"]["symbol"]) for trace in limits}) == len(limits) == 4
-    assert {trace["text"][-1] for trace in limits} == {"stuck"}
+    assert not any("text" in trace for trace in limits)  # the legend names them; names at their ends would overlap
 
 
 def test_a_table_without_some_combinations_has_a_page() -> None:

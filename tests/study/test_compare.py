@@ -151,6 +151,14 @@ def test_folders_of_one_name_are_told_apart_by_their_paths(tmp_path: Path, monke
     assert "The study files of all results have the same keys and values." in text
 
 
+def test_long_names_are_not_all_in_the_title(tmp_path: Path) -> None:
+    folders = [tmp_path / f"{part}-{'centrifugal_force' * 2}" for part in "abc"]
+    for folder in folders:
+        write(folder, synthetic_response())
+    (page,) = compare(folders, tmp_path / "page.html")
+    assert f"<h1>Comparison of {folders[0].name} and 2 more</h1>" in page.read_text(encoding="utf-8")
+
+
 def test_the_command_writes_the_page_and_exits_with_two_for_a_wrong_folder(two: list[Path], tmp_path: Path) -> None:
     runner = CliRunner()
     target = tmp_path / "page.html"

@@ -33,7 +33,10 @@ def sketch_of(case: Case) -> Sketch:
     structure = setup.assemble()
     assert isinstance(structure, Structure)
     loads = kind.forces(case), kind.static_forces(case)
-    return make_sketch(structure.mesh, setup.layout, structure.fixed_unknowns, *loads, kind.outputs(case)[0])
+    distributed = setup.layout.distributed_forces(kind.load_sizes(case))
+    return make_sketch(
+        structure.mesh, setup.layout, structure.fixed_unknowns, *loads, kind.outputs(case)[0], distributed
+    )
 
 
 def areas(sketch: Sketch) -> np.ndarray:

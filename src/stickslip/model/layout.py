@@ -147,6 +147,10 @@ class Layout:
         single = [node_group.nodes for node_group in self.node_groups.values() if node_group.is_single]
         return np.unique(np.concatenate([self.face_pairs.nodes, *single])).astype(np.int64)
 
+    def distributed_forces(self, sizes: Mapping[str, tuple[float, ...]]) -> dict[str, FloatArray]:
+        """Section -> (n_nodes, 3) N of each distributed static load, from section -> its sizes (k,)."""
+        return {section: (self.unit_loads[section] @ np.array(size)).reshape(-1, 3) for section, size in sizes.items()}
+
 
 class Setup(Protocol):
     """A structure before its matrices are made, with the layout of its study; a plain object that can be pickled."""

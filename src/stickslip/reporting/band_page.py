@@ -48,6 +48,7 @@ def band_page(statistics: BandStatistics, title: str, inputs: StudyText, provena
         "distributions": statistics.inputs,
         "byline": f"{when(provenance)} · {len(table.rows)} samples · {len(table.failed)} failed",
         "notices": list(_notices(statistics)),
+        "answer": list(_answer(statistics)),
         "tiles": list(_tiles(statistics)),
         "has_curves": statistics.curve_band is not None,
         "has_peaks": has_peaks,
@@ -92,6 +93,27 @@ def _notices(statistics: BandStatistics) -> Iterator[Notice]:
         yield Notice("bad", heading, [f"Sample {place + 1}: {row.message}" for place, row in failed])
     if statistics.remarks:
         yield Notice("warn", "Before you use these numbers", statistics.remarks)
+
+
+def _answer(statistics: BandStatistics) -> Iterator[str]:
+    """What the band says, in plain words."""
+    result = statistics.percentiles["peak_amplitude"]
+    if result.count:
+        low, middle, high = (_number(result.measure, value) for value in result.values)
+        yield (
+            f"The highest peak is {middle} µm in the median, and between {low} and {high} µm in 90 % of {result.count} "
+            "samples."
+        )
+    for each in statistics.exceedances:
+        least, most = (_percent(end) for end in each.interval)
+        yield (
+            f"{each.exceeded} of {each.count} samples do not satisfy {each.limit.text}; of all structures, {least} to "
+            f"{most} % do not (95 % confidence)."
+        )
+    indices = statistics.influences["peak_amplitude"]
+    if not indices.reason:
+        place = int(np.argmax(indices.total))
+        yield f"The input that matters most is {indices.names[place]}."
 
 
 def _tiles(statistics: BandStatistics) -> Iterator[Tile]:

@@ -36,6 +36,7 @@ _PERCENT = frozenset(
         "friction_share",
     }
 )
+_LONGEST_TITLE = 80  # chosen: letters, two lines on a screen
 _NEGLIGIBLE_PERCENT = 0.005  # chosen: smaller differences are those of tolerances
 # Words of measures whose meaning in the table of a sweep is too short, or follows from the column before.
 _WORDS = {
@@ -86,7 +87,7 @@ def compare_page(compared: Sequence[Compared]) -> str:
     inputs = differing_inputs([each.study for each in compared])
     provenance = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "stickslip": __version__}
     values: dict[str, Any] = {
-        "title": "Comparison of " + ", ".join(names),
+        "title": _title(names),
         "description": f"{len(names)} results of stickslip run. All differences refer to the first one, {names[0]}.",
         "byline": when(provenance),
         "notices": list(_notices(compared)),
@@ -113,6 +114,12 @@ def compare_page(compared: Sequence[Compared]) -> str:
         scripts=("sweep.js",),
         data={"page-figures": plain_figures(figures)},
     )
+
+
+def _title(names: Sequence[str]) -> str:
+    """The names of the results where they are short; cases of a sweep have long ones, which stand in the tiles."""
+    words = "Comparison of " + ", ".join(names)
+    return words if len(words) <= _LONGEST_TITLE else f"Comparison of {names[0]} and {len(names) - 1} more"
 
 
 def _view(

@@ -42,6 +42,7 @@ def design_page(result: DesignResult, title: str, inputs: StudyText, provenance:
         + (f", with {limits}." if limits else "."),
         "byline": f"{when(provenance)} · {len(result.evaluations)} designs · {failed} failed",
         "notices": list(_notices(result)),
+        "answer": list(_answer(result)),
         "tiles": list(_tiles(result)),
         "has_optimum": has_optimum,
         "remarks": result.remarks,
@@ -79,6 +80,23 @@ def _notices(result: DesignResult) -> Iterator[Notice]:
             yield Notice("warn", "Before you use this design", doubts)
 
 
+def _answer(result: DesignResult) -> Iterator[str]:
+    """The optimum in plain words."""
+    best, before = result.optimum, plots.start_design(result)
+    if best is None:
+        return
+    unit = plots.SHOWN[result.measure.unit][1]
+    worst = f" in the worst of {len(best.cases)} load cases" if len(best.cases) > 1 else ""
+    values = zip(result.keys, best.values, strict=True)
+    keys = ", ".join(f"{_short(key)} {number(key.shown(value))} {key.unit}".rstrip() for key, value in values)
+    value = _value(result.measure, best.objective)
+    words = f"The best design has {keys}: {result.measure.words.lower()} {value} {unit}{worst}"
+    if before is None:
+        yield f"{words}."
+    else:
+        yield f"{words}, against {_value(result.measure, before.objective)} {unit} in the study."
+
+
 def _tiles(result: DesignResult) -> Iterator[Tile]:
     best = result.optimum
     if best is None:
@@ -91,9 +109,7 @@ def _tiles(result: DesignResult) -> Iterator[Tile]:
     unit = plots.SHOWN[result.measure.unit][1]
     yield Tile(result.measure.words, _value(result.measure, best.objective), unit, more)
     for key, value, along in zip(result.keys, best.values, result.sharpness, strict=True):
-        yield Tile(
-            _heading(key).partition(",")[0], number(key.shown(value)), key.unit, f"5 % more for {_cost(key, along)}"
-        )
+        yield Tile(_short(key), number(key.shown(value)), key.unit, f"5 % more at: {_cost(key, along)}")
 
 
 def _value(measure: BandMeasure, value: float) -> str:
@@ -166,8 +182,12 @@ def _words(result: DesignResult, each: Evaluation) -> str:
     return ", ".join(key.label(value) for key, value in zip(result.keys, each.values, strict=True))
 
 
+def _short(key: DesignKey) -> str:
+    return key.name.split(".", 1)[1].replace("_", " ")
+
+
 def _heading(key: DesignKey) -> str:
-    return f"{key.name.split('.', 1)[1].replace('_', ' ')}{', ' + key.unit if key.unit else ''}"
+    return f"{_short(key)}{', ' + key.unit if key.unit else ''}"
 
 
 def _design_row(result: DesignResult, each: Evaluation) -> dict[str, Any]:

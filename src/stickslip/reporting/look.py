@@ -73,7 +73,14 @@ def figure_of(data: list[dict[str, Any]], height: int, **layout: Any) -> Figure:
         "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "#ffffff",
         "margin": {"l": 56, "r": 16, "t": 12, "b": 44},
-        "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom", "font": {"size": 12}},
+        "legend": {
+            "orientation": "h",
+            "x": 0,
+            "y": 1.02,
+            "yanchor": "bottom",
+            "font": {"size": 12},
+            "grouptitlefont": {"size": 12},
+        },
         "hoverlabel": {"font": {"family": _FONT}, "namelength": -1},  # a name cut short may end within an entity
         "dragmode": "zoom",
     }

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.contact.pairing.pairing_result import FROM_PAIRING
 from stickslip.reporting import plots
 from stickslip.reporting.assumption_section import ASSUMPTIONS
 from stickslip.reporting.curve_plot import amplitude_frequency
@@ -150,8 +151,13 @@ def _rough_figures(view: View) -> dict[str, Figure]:
 
 
 def _derived(view: View) -> dict[str, Any]:
-    rows = view.study.derived
-    return {"derived": [(name, shown_number(value, unit), unit, meaning) for name, value, unit, meaning in rows]}
+    """Rows of the table, and of the folded one below it."""
+    derived: list[tuple[str, ...]] = []
+    pairing: list[tuple[str, ...]] = []
+    for name, value, unit, meaning in view.study.derived:
+        rows = pairing if meaning == FROM_PAIRING else derived
+        rows.append((name, shown_number(value, unit), unit, meaning))
+    return {"derived": derived, "pairing": pairing}
 
 
 def _solver(view: View) -> dict[str, Any]:
@@ -298,12 +304,9 @@ SECTIONS = (
     Section(
         "Derived quantities",
         """\
-{% call parts.scrolled("Derived quantities") %}<table class="plain wide"><thead><tr>
-<th class="word">Quantity</th><th>Value</th>
-<th class="word">Unit</th><th class="word">Meaning</th></tr></thead><tbody>
-{%- for name, value, unit, explanation in derived %}<tr><th scope="row">{{ name }}</th><td>{{ value }}</td>
-<td class="word unit">{{ unit }}</td><td class="word long">{{ explanation }}</td></tr>{% endfor -%}
-</tbody></table>{% endcall %}""",
+{{ parts.quantities("Derived quantities", derived) }}
+{% if pairing %}<details class="more"><summary>From the pairing of the contact faces ({{ pairing | length }})</summary>
+{{ parts.quantities("Pairing of the contact faces", pairing) }}</details>{% endif %}""",
         _derived,
         applies=lambda view: bool(view.study.derived),
     ),

@@ -18,6 +18,8 @@ from stickslip.results.peak_ridge import STUCK_OPTIMUM, Optimum, PeakRidge
 RidgeOf = Callable[[View], PeakRidge | None]
 # Prefixes of the ids of figures.
 _PERFORMANCE, _RIDGE = "performance", "ridge"
+_LEGEND = {"legend": 60}  # px, of a legend of three rows
+_FEW_DECADES = 2.0  # chosen: numbers 1, 2, 5, 10 of more decades would overlap
 
 
 def _performance(view: View) -> PeakRidge | None:
@@ -119,14 +121,16 @@ def _figures(ridge_of: RidgeOf, prefix: str) -> Callable[[View], dict[str, Figur
         words, here = _axis_words(ridge), _here(view, ridge)
         across = {"type": "log", "dtick": 1, "exponentformat": "power"}
         amplitudes = _panel(ridge, here, of_amplitude=True)
-        up = {"type": "log", "dtick": "D2", "tickformat": ".3~g", "range": _range_of_peaks(amplitudes)}
+        ends = _range_of_peaks(amplitudes)
+        step = "D2" if ends[1] - ends[0] < _FEW_DECADES else 1
+        up = {"type": "log", "dtick": step, "tickformat": ".3~g", "range": ends}
         return {
             f"{prefix}-amplitude": figure_of(
-                amplitudes, 380, hovermode="closest",
+                amplitudes, 380, hovermode="closest", meta=_LEGEND,
                 xaxis=axis_look(words, **across), yaxis=axis_look("0-to-peak, µm", **up),
             ),
             f"{prefix}-frequency": figure_of(
-                _panel(ridge, here, of_amplitude=False), 380, hovermode="closest",
+                _panel(ridge, here, of_amplitude=False), 380, hovermode="closest", meta=_LEGEND,
                 xaxis=axis_look(words, **across), yaxis=axis_look("Frequency, Hz"),
             ),
         }  # fmt: skip

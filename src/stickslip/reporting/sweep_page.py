@@ -74,7 +74,7 @@ def sweep_page(
         "tiles": list(_tiles(view)),
         "curves_note": _curves_note(view, points) if points else "",
         "key_names": [key.name for key in view.table.keys],
-        "answer": best_of_worst(view),
+        "answer": [each for each in [best_of_worst(view)] if each],
         "optimum": _optimum_words(view) if view.place_of(LOAD_KEY) is not None else "",
         "map_headings": [heading for heading, _ in maps],
         "maps_left_out": _omitted_maps(view),

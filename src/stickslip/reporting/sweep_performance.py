@@ -50,7 +50,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
     """Peak against the load F_N, or against force / F_N; with the optimum and the linear limits of each group.
 
     Where the force varies too, peaks are divided by it: a joint responds alike at the same force / F_N. The limits of a
-    group have its style, thinner and without marks, and their names at their last point.
+    group have its style, thinner and with open marks.
     """
     place = view.place_of(LOAD_KEY)
     assert place is not None  # only pages of a varied load call this
@@ -89,11 +89,8 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
 def _limits(
     view: SweepView, rows: NDArray[np.int64], x: FloatArray, scale: FloatArray, unit: str, style: Style, group: str
 ) -> Iterator[dict[str, Any]]:
-    """The linear limits of a group, named at their last point."""
-    for limit, name, words, colour in (
-        ("stuck", "stuck", "stuck", BLUE),
-        ("free", "no contact", "no contact", ORANGE),
-    ):
+    """The linear limits of a group."""
+    for limit, words, colour in (("stuck", "stuck", BLUE), ("free", "no contact", ORANGE)):
         heights = (scale * view.number(f"{limit}_peak_amplitude_m"))[rows]
         valid = ~np.isnan(heights)
         if valid.any():
@@ -105,11 +102,8 @@ def _limits(
                 colour,
                 style.dash,
                 1.0,
-                mode="lines+markers+text",
+                mode="lines+markers",
                 marker={"symbol": f"{style.mark}-open", "size": 5, "color": style.colour},
-                text=[*[""] * (int(valid.sum()) - 1), name],
-                textposition="top left",
-                textfont={"color": colour, "size": 12},
                 hovertemplate=hover,
             )
 

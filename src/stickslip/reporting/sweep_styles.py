@@ -149,7 +149,7 @@ def mark_look(mark: str, colour: str) -> dict[str, Any]:
 
 
 def _title(words: str) -> dict[str, Any]:
-    return {"legendgrouptitle": {"text": words, "font": {"size": 12}}}
+    return {"legendgrouptitle": {"text": words}}
 
 
 def styles_of(keys: tuple[SweptKey, ...]) -> KeyStyles:

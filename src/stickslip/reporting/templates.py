@@ -84,8 +84,8 @@ def whole_page(
     """A page: a template of the assets that extends the frame which all pages share.
 
     values:
-        title, description, byline, notices (:class:`Notice`) and tiles (:class:`Tile`) for the frame, and what the
-        template names.
+        title, description, byline, notices (:class:`Notice`) and tiles (:class:`Tile`) for the frame, ``answer`` where
+        the page begins with sentences on its result, and what the template names.
     kind, head_title:
         the line above the title; the title of the window if it is another one.
     styles, scripts, data:
@@ -106,7 +106,7 @@ def whole_page(
         "version": __version__,
         "provenance": provenance,
     }
-    return str(rendered(template, {**values, **frame}, package))
+    return str(rendered(template, {"answer": (), **values, **frame}, package))
 
 
 def when(provenance: Mapping[str, str]) -> str:

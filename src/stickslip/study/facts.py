@@ -41,8 +41,7 @@ def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
 
 def _distributed_loads(case: Case, joint: Joint) -> Iterator[Derived]:
     """The resultants of rotation, gravity and pressures, which show a wrong unit, set or direction."""
-    for section, sizes in kind_of(case).load_sizes(case).items():
-        load = (joint.layout.unit_loads[section] @ np.array(sizes)).reshape(-1, 3)
+    for section, load in joint.layout.distributed_forces(kind_of(case).load_sizes(case)).items():
         total = load.sum(axis=0)
         total[np.abs(total) <= ROUND_OFF * np.abs(load).sum()] = 0.0
         words = "along x, y, z; with the part on constrained nodes"

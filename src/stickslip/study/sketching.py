@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.validation import FloatArray
-from stickslip.model.layout import GroupForce, Layout, Output
+from stickslip.model.layout import GroupForce, Layout, NodeGroup, Output
 from stickslip.model.model import Model, kind_of
 from stickslip.results.peaks import peaks
 from stickslip.results.response import ForcedResponse
@@ -19,6 +19,7 @@ from stickslip.results.stress import SurfaceStress
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.outer_surface import coarsened, outer_surface
 from stickslip.study.disk import DiskOfStudy
+from stickslip.study.load_marks import distributed_marks, force_marks
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -80,6 +81,7 @@ def sketch_of(
         kind.forces(case),
         kind.static_forces(case),
         kind.outputs(case)[0],
+        layout.distributed_forces(kind.load_sizes(case)),
         motion,
         stress,
     )
@@ -92,25 +94,31 @@ def make_sketch(
     forces: tuple[GroupForce, ...],
     static_forces: tuple[GroupForce, ...],
     named_outputs: Mapping[str, Output],
+    distributed: Mapping[str, FloatArray],
     motion: MeshMotion | None = None,
     stress: StressOfNodes | None = None,
 ) -> Sketch:
     """Outer sides of a mesh, at most ``MOST_SIDES``, the contact among them, and the positions of loads and responses.
 
     Loads of zero are not included; the mark of several nodes is at their mean; responses at one position have one mark.
-    ``fixed_unknowns`` are indices among the 3 * n_nodes displacements. Raises InputError for a set of the layout that
+    ``fixed_unknowns`` are indices among the 3 * n_nodes displacements; ``distributed`` are section -> (n_nodes, 3) N of
+    the constant loads on faces and bodies. Raises InputError for a set of the layout that
     is not in the mesh.
     """
     carrying = [_carrying_nodes(layout.face_pairs, face) for face in range(len(layout.face_names))]
     whole = outer_surface(mesh, layout.contact_sets, carrying)
     shown = coarsened(whole, MOST_SIDES)
     constrained = np.isin(shown.node, fixed_unknowns // 3)
-    nonzero = [(force, constant) for group, constant in ((forces, False), (static_forces, True)) for force in group]
-    nonzero = [(force, constant) for force, constant in nonzero if force.amplitude != 0.0]
+    loads = (
+        *force_marks(layout, forces, is_constant=False),
+        *force_marks(layout, static_forces, is_constant=True),
+        *distributed_marks(distributed, mesh.points),
+    )
+    load_groups = [load.group for load in loads]
     by_group: dict[str, list[str]] = {}
     for name, output in named_outputs.items():
         by_group.setdefault(output.node_group, []).append(name)
-    load_groups = [force.node_group for force, _ in nonzero]
+    response_groups = [layout.node_groups[name] for name in by_group]
     return Sketch(
         points=shown.points,
         held=constrained,
@@ -118,14 +126,14 @@ def make_sketch(
         body=shown.body,
         face=shown.face,
         body_names=layout.body_names,
-        load_names=tuple(_name_of(force.node_group) for force, _ in nonzero),
-        load_places=_places(mesh, layout, load_groups),
-        loads=np.array([np.multiply(force.amplitude, force.direction) for force, _ in nonzero]).reshape(-1, 3),
-        constant=np.array([constant for _, constant in nonzero], dtype=bool),
+        load_names=tuple(load.name for load in loads),
+        load_places=_places(mesh, load_groups),
+        loads=np.array([load.vector for load in loads]).reshape(-1, 3),
+        constant=np.array([load.is_constant for load in loads], dtype=bool),
         response_names=tuple(_joined(names) for names in by_group.values()),
-        response_places=_places(mesh, layout, list(by_group)),
+        response_places=_places(mesh, response_groups),
         mesh_sides=len(whole.sides),
-        motion=None if motion is None else _motion(motion, shown.node, layout, load_groups, list(by_group)),
+        motion=None if motion is None else _motion(motion, shown.node, load_groups, response_groups),
         stress=None if stress is None else stress(shown.node),
     )
 
@@ -137,33 +145,25 @@ def _carrying_nodes(pairs: FacePairs, face: int) -> IntArray:
     return np.unique(np.concatenate([nodes[here][weights[here] != 0.0] for nodes, weights in both]))
 
 
-def _places(mesh: Mesh, layout: Layout, node_groups: list[str]) -> FloatArray:
+def _places(mesh: Mesh, groups: list[NodeGroup]) -> FloatArray:
     """(k, 3) m, the middle of each node group."""
-    middles = [layout.node_groups[name].mean_place(mesh.points) for name in node_groups]
-    return np.array(middles, dtype=float).reshape(-1, 3)
+    return np.array([group.mean_place(mesh.points) for group in groups], dtype=float).reshape(-1, 3)
 
 
-def _motion(
-    motion: MeshMotion, nodes: IntArray, layout: Layout, load_groups: list[str], node_groups: list[str]
-) -> Motion:
+def _motion(motion: MeshMotion, nodes: IntArray, loads: list[NodeGroup], responses: list[NodeGroup]) -> Motion:
     """The motion of nodes (n,), and of loads and responses, which is the mean over their nodes."""
     of_nodes = motion.displacement.reshape(-1, 3, motion.displacement.shape[1])
 
-    def at(names: list[str]) -> FloatArray:
-        means = [layout.node_groups[name].mean_of(of_nodes) for name in names]
+    def at(groups: list[NodeGroup]) -> FloatArray:
+        means = [group.mean_of(of_nodes) for group in groups]
         return np.array(means, dtype=float).reshape(-1, *of_nodes.shape[1:])
 
     return Motion(
         points=of_nodes[nodes].astype(np.float32),
-        loads=at(load_groups).astype(np.float32),
-        responses=at(node_groups).astype(np.float32),
+        loads=at(loads).astype(np.float32),
+        responses=at(responses).astype(np.float32),
         frequency_hz=motion.frequency_hz,
     )
-
-
-def _name_of(node_group: str) -> str:
-    """The user's name of a load, or the name of a node group of the two blades in words."""
-    return node_group.partition(".")[2] or node_group.replace("_", " ")
 
 
 def _joined(names: list[str]) -> str:

@@ -332,7 +332,7 @@ def test_summary_shows_tolerances_and_what_is_left():
     assert rows["contact pairs"] == (pairing.pairs.n_pairs, "")
     assert rows["largest measured gap"] == (pytest.approx(1.0), "mm")  # type: ignore[unreachable]
     assert rows["tolerance: search distance along the normal"] == (pytest.approx(100.0), "mm")
-    assert rows["area of the first face"] == (pytest.approx(1e6), "mm2")
+    assert rows["area of the first face"] == (pytest.approx(1e6), "mm²")
     total = rows["area of the pairs"][0] + rows["area without a partner"][0]
     assert total == pytest.approx(1e6)
     assert rows["largest overhang of positions without a partner"] == (pytest.approx(300.0), "mm")

@@ -15,6 +15,9 @@ from stickslip.core.validation import FloatArray
 from stickslip.structure.export import write_points
 from stickslip.structure.mesh import IntArray
 
+# What tables of derived quantities say of those of :meth:`Pairing.summary`.
+FROM_PAIRING = "from the pairing of the faces"
+
 GROUND = "ground"
 MANY_PAIRS = 1000  # the solver's cost grows with the square of the pairs, and memory as well
 
@@ -198,9 +201,9 @@ class Pairing:
             ("points of the first face", self.points, ""),
             ("contact pairs", self.pairs.n_pairs, ""),
             ("pairs of node and node", int(self._node_to_node().sum()), ""),
-            ("area of the first face", 1e6 * self.first_area, "mm2"),
-            ("area of the pairs", 1e6 * float(self.pairs.area.sum()), "mm2"),
-            ("area without a partner", 1e6 * float(unpaired_1.area.sum()), "mm2"),
+            ("area of the first face", 1e6 * self.first_area, "mm²"),
+            ("area of the pairs", 1e6 * float(self.pairs.area.sum()), "mm²"),
+            ("area without a partner", 1e6 * float(unpaired_1.area.sum()), "mm²"),
             ("initial gap", "set to zero" if self.adjust == "closed" else "as measured", ""),
             ("smallest measured gap (below 0: overlap)", 1e3 * float(gap.min()), "mm"),
             ("largest measured gap", 1e3 * float(gap.max()), "mm"),
@@ -211,8 +214,8 @@ class Pairing:
             rows.append((f"positions on '{name}' without a partner", alone.counts() or "none", ""))
         return (
             *rows,
-            ("area of the second face", 1e6 * self.second_area, "mm2"),
-            ("area of the second face without a partner", 1e6 * float(unpaired_2.area.sum()), "mm2"),
+            ("area of the second face", 1e6 * self.second_area, "mm²"),
+            ("area of the second face without a partner", 1e6 * float(unpaired_2.area.sum()), "mm²"),
             ("largest overhang of pairs beyond the edge", 1e3 * float(self.overhang.max()), "mm"),
             ("largest overhang of positions without a partner", 1e3 * unpaired_1.largest_overhang, "mm"),
             ("distance of flat sides from curved faces, about", 1e3 * self.facet_height, "mm"),

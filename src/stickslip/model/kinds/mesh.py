@@ -13,7 +13,7 @@ from stickslip.case.interface_sections import GROUND, MeshInterfaceSection
 from stickslip.case.own_sections import MeshFileSection, PlaceSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground
-from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
+from stickslip.contact.pairing.pairing_result import FROM_PAIRING, Pairing, write_pairs
 from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.plausible import OddValue, suspecting
 from stickslip.formats.meshes.imported_model import ImportedModel
@@ -291,7 +291,7 @@ def _layout(
 def pairing_facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator[Derived]:
     for name, pairing in zip(names, pairings, strict=True):
         for label, value, unit in pairing.summary():
-            yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "from the pairing of the faces"
+            yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", FROM_PAIRING
 
 
 def _rotation(case: MeshCase) -> Rotation | None:

@@ -33,7 +33,11 @@
   // text that plotly shows as it is: without its tags, entities and "%{x}"
   const escapes = { "&": "&amp;", "<": "&lt;", ">": "&gt;", "%": "&#37;" };
   const shown = (text) => text.replace(/[&<>%]/g, (letter) => escapes[letter]);
-  const digits = (value) => Number(value.toPrecision(4)).toString().replace("-", "−");
+  const raised = (exponent) => exponent.replace(/[-+\d]/g, (sign) => ({ "-": "⁻", "+": "" }[sign] ?? "⁰¹²³⁴⁵⁶⁷⁸⁹"[sign]));
+  const digits = function (value) {
+    const [mantissa, exponent] = Number(value.toPrecision(4)).toString().split("e");
+    return mantissa.replace("-", "−") + (exponent ? " × 10" + raised(exponent) : "");
+  };
 
   /* ---- numbers of one pair over a period ---- */
 
@@ -220,7 +224,10 @@
     data.groups.forEach(function (names, group) {
       const start = chosen.point * data.coefficients;
       const y = names.map((name) => synthesis(signals[name], start, groupTimes).map((value) => value - signals[name][start]));
-      const labels = names.map((name, i) => shown(data.groupLabels[group][i]) + " (mean " + digits(signals[name][start]) + " µm)");
+      // a mean below nine digits of the motion of the group is round-off
+      const least = 1e-9 * Math.max(...y.flat());
+      const means = names.map((name) => (Math.abs(signals[name][start]) < least ? 0 : signals[name][start]));
+      const labels = names.map((name, i) => shown(data.groupLabels[group][i]) + " (mean " + digits(means[i]) + " µm)");
       restyle("group-" + group, { x: names.map(() => groupTimes), y: y, name: labels });
     });
   }

@@ -124,22 +124,36 @@
     Plotly.restyle(plot, { "marker.size": plot.data.map((trace) => factor * trace.marker.size) });
   }
 
+  /* Two plots above each other need more height: each has a title of its own, or there is a legend between them. */
+  function shareOf(plot) {
+    if (plot.layout.legend2) return 0.3;
+    return plot.layout.yaxis2 && !plot.layout.yaxis2.overlaying ? 0.45 : 0.24;
+  }
+
+  /* In print a legend between two plots needs more of their height. */
+  const PRINTED_GAP = [0.32, 0.68];
+  function placeBetween(plot, [lower, upper]) {
+    if (!plot.layout.legend2) return {};
+    return { "yaxis.domain": [upper, 1], "yaxis2.domain": [0, lower], "legend2.y": lower + 0.02 };
+  }
+
   function fitToPrint(plot) {
     if (plot.dataset.height) return;
     const isHalf = Boolean(plot.closest(".maps, .two")), screen = plot.layout.height;
     // figures name the height of a legend of several rows, of which print keeps three quarters
     const legend = (plot.layout.meta || {}).legend || 0, rest = screen - legend;
-    const height = Math.round((isHalf ? 96 + 0.24 * rest : 0.45 * rest) + 0.75 * legend);
+    const height = Math.round((isHalf ? 96 + shareOf(plot) * rest : 0.45 * rest) + 0.75 * legend);
     plot.dataset.height = screen;
+    plot.dataset.gap = JSON.stringify(plot.layout.legend2 ? [plot.layout.yaxis2.domain[1], plot.layout.yaxis.domain[0]] : []);
     scaleMarks(plot, 0.6);
     plot.style.height = height + "px";  // plotly may fit its figures to their elements once more
-    Plotly.relayout(plot, Object.assign(present(plot, fonts(9, 10)), { width: isHalf ? HALF : WHOLE, autosize: false, height: height }));
+    Plotly.relayout(plot, Object.assign(present(plot, fonts(9, 10)), { width: isHalf ? HALF : WHOLE, autosize: false, height: height }, placeBetween(plot, PRINTED_GAP)));
   }
 
   function fitToScreen(plot) {
     if (!plot.dataset.height) return;
     plot.style.height = "";
-    Plotly.relayout(plot, Object.assign(present(plot, fonts(12, 13)), { width: null, autosize: true, height: Number(plot.dataset.height) }));
+    Plotly.relayout(plot, Object.assign(present(plot, fonts(12, 13)), { width: null, autosize: true, height: Number(plot.dataset.height) }, placeBetween(plot, JSON.parse(plot.dataset.gap))));
     scaleMarks(plot, 1.0 / 0.6);
     delete plot.dataset.height;
   }
