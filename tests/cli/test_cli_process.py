@@ -139,7 +139,7 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, arguments: list[str
     assert (process.returncode, printed) == (0, "")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("untraced_commands")
 def test_a_run_continues_when_nobody_reads_its_output(tmp_path: Path) -> None:
     out = tmp_path / "out"

@@ -207,6 +207,7 @@ def test_wrong_accuracies_are_rejected(blade: Blade) -> None:
         solve(accuracy=0.005, samples=32)
 
 
+@pytest.mark.long
 def test_resonances_without_damping_are_no_false_alarm() -> None:
     """The default case with 15 harmonics: the stuck modes above 20 times the excitation have no damping, but the
     amplitude is that with 9 harmonics to 0.1 %."""

@@ -244,7 +244,7 @@ def solved(case: Case) -> tuple[ForcedResponse, Peak]:
     return response, summary(response, next(iter(model.outputs.values()))).peak
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
     """At 469.89 Hz the branch turns by 160 degrees, over less than 3e-4 of the window; shorter steps fail there."""
     case = casting_case().replace(
