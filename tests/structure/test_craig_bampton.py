@@ -143,7 +143,7 @@ def test_the_reduction_is_the_same_with_any_number_of_threads(blade_structure, b
     assert np.array_equal(other.recovery.modes, blade_superelement.recovery.modes)
 
 
-def test_the_sign_of_a_mode_does_not_hang_on_the_last_digit():
+def test_the_sign_of_a_mode_does_not_hang_on_the_last_digit() -> None:
     """Two equal masses that move against each other: both components are equal but for round-off."""
     mass = np.eye(3)
     for last_digit in (-1e-12, 0.0, 1e-12):
