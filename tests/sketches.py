@@ -19,7 +19,8 @@ BELOW, ABOVE, FRONT, RIGHT, BACK, LEFT = range(6)
 
 def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> np.ndarray:
     """(8, 3) m, the corners of a box; its sides are ``BOX_SIDES``."""
-    return np.array(low) + _CORNERS * (np.array(high) - np.array(low))
+    corners: np.ndarray = np.array(low) + _CORNERS * (np.array(high) - np.array(low))
+    return corners
 
 
 def sketch_of_boxes(*boxes: np.ndarray, **changes: Any) -> Sketch:

@@ -34,7 +34,8 @@ def sweep_view(
     """
     linear = limits or {"stuck": [2e-4] * len(peaks)}
     sizes = [len(key.values) for key in keys]
-    rows, curves = [], []
+    rows: list[SweepRow] = []
+    curves: list[SweepCurve | None] = []
     for place, peak in enumerate(peaks):
         chosen = np.unravel_index(place, sizes)
         values = tuple(key.values[i] for key, i in zip(keys, chosen, strict=True))

@@ -26,6 +26,7 @@ def bench(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return bench  # type: ignore[no-any-return]
 
 
+@pytest.mark.long
 def test_a_row_has_all_cells_and_agrees_with_the_dense_newton(
     bench: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -16,9 +16,10 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+import stickslip as ss
 from stickslip.cli.main import app
 from stickslip.papers.rough_damper.plan import Scope, computations
-from sweep_cases import quick_file
+from sweep_cases import COARSE_MESH, quick_file
 
 ROOT = Path(__file__).parents[1]
 # Commands of guides run with few points each; other tests read numbers of sweeps.
@@ -91,7 +92,10 @@ def test_roughness_page_shows_what_the_command_prints(tmp_path: Path, monkeypatc
 
 
 @pytest.mark.slow
-def test_two_blades(capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_blades(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a coarse mesh."""
+    load_case = ss.load_case
+    monkeypatch.setattr(ss, "load_case", lambda path: load_case(path).replace(COARSE_MESH))
     module = runpy.run_path(str(ROOT / "examples" / "two_blades.py"))
     peaks = module["main"](harmonics=1, samples=64)
     # Same direction works hardest on the first mode; opposite excites the stiffer second one.

@@ -75,7 +75,7 @@ def test_first_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         assert (tmp_path / "results" / name).is_file()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_harmonics_and_samples(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     text = (DOCS / "choosing_harmonics_and_samples.md").read_text(encoding="utf-8")
     script = re.search(r"<!-- tested -->\n```python\n(.*?)```", text, flags=re.DOTALL).group(1)

@@ -33,7 +33,15 @@ def start(*arguments: object, **options: object) -> subprocess.Popen[str]:
     tracer's lock behind, and the process would wait for ever."""
     command = [sys.executable, "-c", f"{HEARS_SIGNALS}from stickslip.cli.main import main; main()"]
     command += map(str, arguments)
-    return subprocess.Popen(command, stdout=-1, stderr=-1, text=True, env=unmeasured(), **options)  # type: ignore[call-overload]
+    process: subprocess.Popen[str] = subprocess.Popen(
+        command,
+        stdout=-1,
+        stderr=-1,
+        text=True,
+        env=unmeasured(),
+        **options,  # type: ignore[call-overload]
+    )
+    return process
 
 
 def wait_until(done: Callable[[], object], process: subprocess.Popen[str]) -> None:
@@ -139,7 +147,7 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, arguments: list[str
     assert (process.returncode, printed) == (0, "")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("untraced_commands")
 def test_a_run_continues_when_nobody_reads_its_output(tmp_path: Path) -> None:
     out = tmp_path / "out"

@@ -20,7 +20,7 @@ def sentences_of(output):
     return " ".join(output.rpartition("┘")[2].split())
 
 
-def test_what_is_in_a_model():
+def test_what_is_in_a_model() -> None:
     result = run(MODELS / "cubes.inp", "--length-unit", "mm")
     assert result.exit_code == 0, result.output
     for words in ("Abaqus/CalculiX", "lower", "0.00785", "contact", "base", "free faces"):
@@ -31,7 +31,7 @@ def test_what_is_in_a_model():
     assert [word.strip() for word in contact.split("│")[1:-1]] == ["contact", "1", "4", "100", "lower"]
 
 
-def test_a_deck_as_abaqus_cae_writes_it():
+def test_a_deck_as_abaqus_cae_writes_it() -> None:
     result = run(MODELS / "cubes_of_parts.inp", "--length-unit", "mm")
     assert result.exit_code == 0, result.output
     table = [[word.strip() for word in line.split("│")[1:-1]] for line in result.output.splitlines()]
@@ -44,7 +44,7 @@ def test_a_deck_as_abaqus_cae_writes_it():
     assert "Warning" not in result.output
 
 
-def test_a_bad_part_ends_with_2(tmp_path):
+def test_a_bad_part_ends_with_2(tmp_path: Path) -> None:
     text = (MODELS / "cubes_of_parts.inp").read_text(encoding="utf-8")
     (tmp_path / "bad.inp").write_text(text.replace("*End Part", "", 1), encoding="utf-8")
     result = run(tmp_path / "bad.inp", "--length-unit", "mm")
@@ -52,7 +52,7 @@ def test_a_bad_part_ends_with_2(tmp_path):
     printed_sentence(result.output, "bad.inp", "line 32", "*PART")
 
 
-def test_without_a_unit_one_is_requested():
+def test_without_a_unit_one_is_requested() -> None:
     result = run(MODELS / "gmsh_4.1_text.msh")
     assert result.exit_code == 0, result.output
     printed_sentence(next(line for line in result.output.splitlines() if "--length-unit" in line))
@@ -60,7 +60,7 @@ def test_without_a_unit_one_is_requested():
     assert "left face" in result.output
 
 
-def test_wrong_units_are_warned_of():
+def test_wrong_units_are_warned_of() -> None:
     output = run(MODELS / "cubes.inp", "--length-unit", "m").output
     printed_sentence("\n".join(line for line in output.splitlines() if line.startswith("Warning: ")), "lower")
 
@@ -79,7 +79,7 @@ def test_bad_options_end_with_2(options, key):
     printed_sentence(result.output, key)
 
 
-def test_a_bad_file_ends_with_2(tmp_path):
+def test_a_bad_file_ends_with_2(tmp_path: Path) -> None:
     (tmp_path / "bad.inp").write_text("*NODE\n1, 0, 0, nothing\n", encoding="utf-8")
     result = run(tmp_path / "bad.inp", "--length-unit", "mm")
     assert result.exit_code == 2

@@ -5,6 +5,7 @@ import io
 import os
 import zipfile
 import zlib
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -73,7 +74,7 @@ def test_a_huge_file_is_rejected_before_it_is_read(tmp_path, name):
         READERS[name](tmp_path / name)
 
 
-def test_the_opener(tmp_path):
+def test_the_opener(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"content")
     assert read_regular(tmp_path / "file") == b"content"
     with pytest.raises(UnsuitableFileError) as caught:
@@ -166,7 +167,7 @@ def test_a_packed_bomb_is_rejected(tmp_path, monkeypatch, name):
         READERS[name](path)
 
 
-def test_a_packed_bomb_in_results_and_in_matlab_73(tmp_path):
+def test_a_packed_bomb_in_results_and_in_matlab_73(tmp_path: Path) -> None:
     hdf5_of_zeros(tmp_path / "results.nc", "frequency")
     with flat_memory(), rejects(ResultsFileError):
         load_results(tmp_path / "results.nc")
@@ -175,7 +176,7 @@ def test_a_packed_bomb_in_results_and_in_matlab_73(tmp_path):
         read_matrices(tmp_path / "k.mat", tmp_path / "k.mat")
 
 
-def test_what_is_packed_well_is_read(tmp_path, monkeypatch):
+def test_what_is_packed_well_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A packed matrix of a model that is no bomb, also where small files may unpack to less."""
     matrix = np.diag(np.arange(1.0, 201.0))
     np.savez_compressed(tmp_path / "k.npz", K=matrix, M=matrix)
@@ -188,7 +189,7 @@ def test_what_is_packed_well_is_read(tmp_path, monkeypatch):
             read_matrices(tmp_path / name, tmp_path / name)
 
 
-def test_entities_of_xml_do_not_grow(tmp_path):
+def test_entities_of_xml_do_not_grow(tmp_path: Path) -> None:
     """A billion laughs: the parser stops."""
     levels = "".join(f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 12))
     (tmp_path / "m.vtu").write_text(f'<!DOCTYPE v [<!ENTITY e0 "lol">{levels}]><VTKFile>&e11;</VTKFile>')
@@ -227,7 +228,7 @@ def test_hdf5_files_that_read_other_files_are_rejected(tmp_path, name, make):
     assert "password" not in str(caught.value)
 
 
-def test_an_error_shows_no_line_of_a_file_that_is_another_one(tmp_path):
+def test_an_error_shows_no_line_of_a_file_that_is_another_one(tmp_path: Path) -> None:
     """A map, positions or a matrix that is a list of passwords."""
     (tmp_path / "passwd").write_text("root:x:0:0:root 1.5\nme:x:1 2:secret\n")
     np.save(tmp_path / "k.npy", np.eye(6))
@@ -245,6 +246,6 @@ def test_an_error_shows_no_line_of_a_file_that_is_another_one(tmp_path):
         assert "root:" not in str(caught.value)
 
 
-def test_a_study_file_may_not_be_a_device():
+def test_a_study_file_may_not_be_a_device() -> None:
     with rejects(StudyFileError):
         load_case(os.devnull)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import threading
 
+import pytest
 from rich.console import Console
 
 from stickslip.core import progress
@@ -80,7 +81,7 @@ def test_a_day_does_not_flood_the_log() -> None:
     assert log.lines[-1].endswith(" min)")
 
 
-def test_reminders_come_while_the_computation_is_silent(monkeypatch) -> None:
+def test_reminders_come_while_the_computation_is_silent(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "REMINDER_SECONDS", 0.0)
     before = threading.active_count()
     printed = threading.Event()

@@ -75,10 +75,10 @@ def test_the_allowed_range_is_reported() -> None:
     ("call", "key"),
     [
         (lambda: Material(young_modulus=0.0), "young_modulus"),
-        (lambda: Material(density=[7800.0, 7800.0]), "density"),
+        (lambda: Material(density=[7800.0, 7800.0]), "density"),  # type: ignore[arg-type]
         (lambda: Material(poisson_ratio=0.5), "poisson_ratio"),
-        (lambda: BladePairElements(chordwise=2.5), "chordwise"),
-        (lambda: thread_count("two"), "threads"),
+        (lambda: BladePairElements(chordwise=2.5), "chordwise"),  # type: ignore[arg-type]
+        (lambda: thread_count("two"), "threads"),  # type: ignore[arg-type]
         (
             lambda: mindlin_stiffness(1e-3, 1e11, 0.6),
             "poisson_ratio",

@@ -1,6 +1,8 @@
 """The same mesh in CalculiX and here: frequencies, matrices entry by entry, and its stored matrices solved by us."""
 
 import re
+from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -141,7 +143,7 @@ def four_points():
     return np.array([[a, a, a], [b, a, a], [a, b, a], [a, a, b]]), np.full(4, 1 / 24)
 
 
-def test_deck_names_sets_supports_ties_and_step(tmp_path):
+def test_deck_names_sets_supports_ties_and_step(tmp_path: Path) -> None:
     mesh, pairs = blades("hexahedron")
     steel, other = Material(), Material(young_modulus=7e10)
     path = write_calculix_deck(
@@ -173,13 +175,13 @@ def test_bad_options(tmp_path, options, keys):
         write_calculix_deck(**arguments)
 
 
-def test_every_kind_of_cell_has_an_element():
+def test_every_kind_of_cell_has_an_element() -> None:
     from stickslip.formats.calculix_deck import ELEMENT_TYPES
 
     assert {*ELEMENT_TYPES, "hexahedron"} == set(CELL_KINDS)
 
 
-def test_calculix_reads_the_exponent_of_every_coordinate(tmp_path, make_block):
+def test_calculix_reads_the_exponent_of_every_coordinate(tmp_path: Path, make_block: Callable[..., Mesh]) -> None:
     """It truncates numbers after 20 characters; 1.2345678901234567e-05 has 22."""
     mesh = make_block((1, 1, 1), (1.0, 1.0, 1.0), 0.1)
     small = Mesh(-1.2345678901234567e-5 * mesh.points[:, [1, 0, 2]], mesh.cells)

@@ -95,11 +95,15 @@ def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("allocation", ["area", "pressure"])
-def test_on_the_curve_tangential_stiffness_follows_the_pressure_of_each_pair(allocation: str) -> None:
+@pytest.mark.parametrize(
+    "allocation",
+    [{}, {"roughness__allocation": "pressure", "roughness__reference_area": "0.002 m^2"}],  # models of other tests
+    ids=["area", "pressure"],
+)
+def test_on_the_curve_tangential_stiffness_follows_the_pressure_of_each_pair(allocation: dict[str, str]) -> None:
     """By area, K_t/K_n was 0.3 to 2.3 on these faces, and 0.09 to 40 on machined ones."""
-    joint = model(preload__normal_law="pressure-gap", roughness__allocation=allocation).joint
-    assert joint.normal_stiffness.max() > 4.0 * joint.normal_stiffness.min()
+    joint = model(**allocation, preload__normal_law="pressure-gap").joint
+    assert joint.normal_stiffness.max() > 3.0 * joint.normal_stiffness.min()
     ratio = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)
     np.testing.assert_allclose(joint.tangential_stiffness / joint.normal_stiffness, ratio, rtol=2e-3)
 

@@ -31,7 +31,9 @@ SETS = {
         ((2.0776, 0.0795, -1.1350), (0.9033, -0.0636, -0.5514), 0.9082),
     ],
 )
-def test_the_difference_is_that_of_the_published_test_data(first, second, expected: float) -> None:
+def test_the_difference_is_that_of_the_published_test_data(
+    first: tuple[float, ...], second: tuple[float, ...], expected: float
+) -> None:
     assert difference(np.array(first), np.array(second)) == pytest.approx(expected, abs=1e-4)
 
 

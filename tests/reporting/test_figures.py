@@ -55,7 +55,7 @@ def test_loop_encloses_the_energy_of_its_pair(case):
         figures.hysteresis_loop(response, study, pair=110)
 
 
-def test_structure_function_draws_measurement_and_fit_of_each_direction():
+def test_structure_function_draws_measurement_and_fit_of_each_direction() -> None:
     lag = np.array([1e-6, 2e-6, 4e-6, 1e-6, 3e-6])
     values = {field.name: 1.0 for field in dataclasses.fields(RoughnessFit)}
     values |= {"lag": lag, "structure_function": lag**1.2, "fitted": 1.1 * lag**1.2, "points_along_x": 3}
@@ -105,7 +105,7 @@ def test_mode_comparison_names_the_reference_and_needs_one(case):
         figures.mode_comparison(dataclasses.replace(case[1], mode_table=({"mode": 1, "full_hz": 507.0},)))
 
 
-def test_surface_shows_heights_about_their_mean():
+def test_surface_shows_heights_about_their_mean() -> None:
     x, y = np.meshgrid(np.linspace(0, 0.028, 40), np.linspace(0, 0.0065, 20))
     figure = figures.surface(x, y, 3e-6 + 1e-6 * np.sign(x - 0.014))
     assert "Sq = 1 µm" in figure.axes[0].get_title()
@@ -113,7 +113,7 @@ def test_surface_shows_heights_about_their_mean():
         figures.surface(x[0], y[:, 0], x)
 
 
-def test_numbers_and_units_for_readers():
+def test_numbers_and_units_for_readers() -> None:
     assert number(-0.57031, 3) == "−0.57"
     assert number(5.4e-5) == "5.4 × 10⁻⁵"
     assert number(2.0e7) == "2 × 10⁷"

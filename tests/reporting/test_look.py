@@ -13,19 +13,19 @@ def grid(along: int, across: int) -> np.ndarray:
     return np.column_stack([x.ravel(), y.ravel()])
 
 
-def test_a_coarse_grid_takes_the_largest_mark():
+def test_a_coarse_grid_takes_the_largest_mark() -> None:
     assert mark_size(grid(11, 5), DRAWING, 17.0) == 17.0
     assert mark_size(np.zeros((1, 2)), DRAWING, 17.0) == 17.0
 
 
-def test_marks_of_a_fine_grid_touch_and_do_not_overlap():
+def test_marks_of_a_fine_grid_touch_and_do_not_overlap() -> None:
     position = grid(41, 11)
     size = mark_size(position, DRAWING, 17.0)
     spacing = 0.6 * 400.0 / np.ptp(map_range(position)[0])  # across, on a map to scale
     assert size == pytest.approx(spacing)
 
 
-def test_nine_in_ten_of_scattered_marks_are_apart():
+def test_nine_in_ten_of_scattered_marks_are_apart() -> None:
     position = np.random.default_rng(1).uniform([-14.0, -3.0], [14.0, 3.0], (130, 2))
     size = mark_size(position, DRAWING, 17.0)
     assert 3.0 <= size < 17.0
@@ -34,21 +34,21 @@ def test_nine_in_ten_of_scattered_marks_are_apart():
     assert (distance.min(axis=1) < size).mean() <= 0.1 or size == 3.0
 
 
-def test_marks_stay_visible_in_a_crowd():
+def test_marks_stay_visible_in_a_crowd() -> None:
     assert mark_size(grid(400, 100), DRAWING, 17.0) == 3.0
 
 
-def test_an_upright_map_is_at_least_half_as_wide_as_high_about_its_face():
+def test_an_upright_map_is_at_least_half_as_wide_as_high_about_its_face() -> None:
     narrow = grid(11, 5)[:, ::-1] * [0.1, 1.0] + [7.0, 0.0]
     across, up = map_range(narrow)
     assert np.ptp(across) == pytest.approx(0.5 * np.ptp(up))
     assert across.mean() == pytest.approx(7.0)
 
 
-def test_a_flat_map_is_as_wide_as_its_face():
+def test_a_flat_map_is_as_wide_as_its_face() -> None:
     assert np.ptp(map_range(grid(11, 5))[0]) == pytest.approx(1.12 * 28.0 + 0.8)
 
 
-def test_small_numbers_of_axes_have_powers_and_no_prefix_beside_the_one_of_their_unit():
+def test_small_numbers_of_axes_have_powers_and_no_prefix_beside_the_one_of_their_unit() -> None:
     assert axis_look("Amplitude, µm")["exponentformat"] == "power"
     assert "exponentformat" not in axis_look("Amplitude, µm", type="log")  # 0.1, 1, 10

@@ -19,7 +19,7 @@ def receptance(frequency: np.ndarray, natural: float, ratio: float) -> np.ndarra
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.2, 0.5])
-def test_peak_of_an_oscillator_from_a_few_points_in_its_width(shift):
+def test_peak_of_an_oscillator_from_a_few_points_in_its_width(shift: float) -> None:
     ratio, natural = 0.002, 480.0
     frequency = natural * (1 + ratio * (np.arange(-20, 21) + shift) * 0.5)
     peak = peaks(frequency, receptance(frequency, natural, ratio))[0]
@@ -29,14 +29,14 @@ def test_peak_of_an_oscillator_from_a_few_points_in_its_width(shift):
     assert half_power_width(frequency, receptance(frequency, natural, ratio), peak) == pytest.approx(ratio, rel=0.03)
 
 
-def test_half_power_width_of_an_oscillator_converges_to_its_damping_ratio():
+def test_half_power_width_of_an_oscillator_converges_to_its_damping_ratio() -> None:
     ratio, natural = 0.002, 480.0
     frequency = np.linspace(470.0, 490.0, 4001)
     amplitude = receptance(frequency, natural, ratio)
     assert half_power_width(frequency, amplitude, peaks(frequency, amplitude)[0]) == pytest.approx(ratio, rel=1e-4)
 
 
-def test_peak_of_a_curve_that_folds_stays_on_its_own_branch():
+def test_peak_of_a_curve_that_folds_stays_on_its_own_branch() -> None:
     # A hardening backbone: the curve leans over and turns back in frequency; the top lies on the fold.
     turn = np.linspace(-1.2, 1.2, 61)
     amplitude = np.exp(-(turn**2))
@@ -48,7 +48,7 @@ def test_peak_of_a_curve_that_folds_stays_on_its_own_branch():
     assert peak.frequency_hz == pytest.approx(103.0, abs=0.02)
 
 
-def test_peaks_come_highest_first_and_the_end_of_a_curve_is_not_bracketed():
+def test_peaks_come_highest_first_and_the_end_of_a_curve_is_not_bracketed() -> None:
     frequency = np.arange(7.0)
     actual = peaks(frequency, np.array([0.0, 2.0, 1.0, 1.0, 4.0, 3.0, 3.0]))
     assert [peak.point for peak in actual] == [4, 1]
@@ -62,18 +62,18 @@ def test_peaks_come_highest_first_and_the_end_of_a_curve_is_not_bracketed():
         peaks([1.0, 2.0], [1.0, -1.0])
 
 
-def test_half_power_needs_both_flanks():
+def test_half_power_needs_both_flanks() -> None:
     frequency = np.linspace(479.0, 490.0, 400)
     amplitude = receptance(frequency, 480.0, 0.004)
     assert half_power_width(frequency, amplitude, peaks(frequency, amplitude)[0]) is None
 
 
-def test_state_counts_add_up():
+def test_state_counts_add_up() -> None:
     counts = state_counts(np.array([[0, 0, 1, 2], [2, 2, 2, 2]], dtype=np.int8))
     np.testing.assert_array_equal(counts, [[2, 1, 1], [0, 0, 4]])
 
 
-def test_energy_balance_of_a_solved_case_and_of_a_spoiled_one():
+def test_energy_balance_of_a_solved_case_and_of_a_spoiled_one() -> None:
     response = synthetic_response(columns=4, rows=3, n_points=20)
     assert np.abs(energy_imbalance(response)).max() < 1e-9
     spoiled = dataclasses.replace(response, input_energy=response.input_energy * 1.25)
@@ -83,9 +83,10 @@ def test_energy_balance_of_a_solved_case_and_of_a_spoiled_one():
 
 
 @pytest.mark.slow
-def test_summary_of_a_damped_case():
+def test_summary_of_a_damped_case() -> None:
     response, study = synthetic_response(), synthetic_study()
     result = summary(response, study.outputs[study.response_output])
+    assert result.reduction_from_stuck is not None
     assert 0.0 < result.reduction_from_stuck < 1.0
     assert result.reduction_from_stuck == 1 - result.peak.amplitude / result.stuck_peak.amplitude
     assert result.stuck_peak.frequency_hz == pytest.approx(response.linear.stuck_frequency_hz[0], rel=1e-4)
@@ -109,7 +110,7 @@ def test_summary_of_a_damped_case():
     assert abs(result.first_harmonic) + abs(result.mean) > 0.9 * result.peak.amplitude
 
 
-def test_summary_without_a_linear_peak_in_range_reports_it():
+def test_summary_without_a_linear_peak_in_range_reports_it() -> None:
     response, study = synthetic_response(), synthetic_study()
     low = response.linear.frequency_hz < 412.0
     linear = dataclasses.replace(

@@ -18,20 +18,20 @@ def response() -> ForcedResponse:
     return synthetic_response(columns=4, rows=3, n_points=20)
 
 
-def test_amplitude_of_one_harmonic_with_mean_is_mean_plus_radius():
+def test_amplitude_of_one_harmonic_with_mean_is_mean_plus_radius() -> None:
     coefficients = np.array([[0.5, 3.0, 4.0, 0.0, 0.0], [-0.5, 3.0, 4.0, 0.0, 0.0], [0.0, 0.0, 0.0, -0.6, 0.8]])
     np.testing.assert_allclose(periodic_amplitude(coefficients), [5.5, 5.5, 1.0], rtol=1e-14)
 
 
 @pytest.mark.slow
-def test_amplitude_equals_a_very_fine_search():
+def test_amplitude_equals_a_very_fine_search() -> None:
     coefficients = np.random.default_rng(3).normal(size=(200, 11))
     matrix = synthesis_matrix(5, 200_000)
     fine = [np.abs(matrix @ row).max() for row in coefficients]  # one at a time: all motions would be 320 MB
     np.testing.assert_allclose(periodic_amplitude(coefficients), fine, rtol=1e-8)
 
 
-def test_amplitude_without_motion_or_without_harmonics():
+def test_amplitude_without_motion_or_without_harmonics() -> None:
     np.testing.assert_array_equal(periodic_amplitude(np.array([[0.0, 0.0, 0.0], [-2.0, 0.0, 0.0]])), [0.0, 2.0])
     np.testing.assert_array_equal(periodic_amplitude(np.array([[-3.0]])), [3.0])
 

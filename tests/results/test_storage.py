@@ -119,19 +119,19 @@ def test_file_is_labelled_for_other_readers(response, saved):
             assert variable.dtype.kind in "fiUO", f"{name} is {variable.dtype}: complex breaks other readers"
 
 
-def test_missing_file(tmp_path):
+def test_missing_file(tmp_path: Path) -> None:
     with rejects(ResultsFileError):
         load_results(tmp_path / "none.nc")
 
 
-def test_file_that_is_not_netcdf(tmp_path):
+def test_file_that_is_not_netcdf(tmp_path: Path) -> None:
     path = tmp_path / "text.nc"
     path.write_text("frequency,amplitude\n")
     with rejects(ResultsFileError):
         load_results(path)
 
 
-def test_netcdf_of_another_program(tmp_path):
+def test_netcdf_of_another_program(tmp_path: Path) -> None:
     with h5netcdf.File(tmp_path / "other.nc", "w") as file:
         file.dimensions = {"x": 3}
     with rejects(ResultsFileError):
@@ -186,7 +186,7 @@ def test_failed_save_leaves_the_old_file_and_no_other(response, saved, monkeypat
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="limits of files are of POSIX systems")
-def test_a_full_disk_is_a_sentence_and_no_fault_of_hdf5(tmp_path):
+def test_a_full_disk_is_a_sentence_and_no_fault_of_hdf5(tmp_path: Path) -> None:
     """HDF5 ended the process with a segmentation fault where a file could not grow."""
     code = """
 import resource, sys
@@ -211,7 +211,7 @@ save_results(Path(sys.argv[1]) / "results.nc", response, study)
 
 
 @pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="only Linux has a file that no disk can read")
-def test_a_disk_that_fails_while_it_is_read_is_reported(tmp_path):
+def test_a_disk_that_fails_while_it_is_read_is_reported(tmp_path: Path) -> None:
     (tmp_path / "results.nc").symlink_to("/proc/self/mem")
     with rejects(ResultsFileError):
         load_results(tmp_path / "results.nc")
@@ -245,7 +245,7 @@ def test_wrong_study_records_are_rejected(change, key):
         dataclasses.replace(synthetic_study(4, 3), **change)
 
 
-def test_provenance_names_the_versions():
+def test_provenance_names_the_versions() -> None:
     provenance = run_provenance()
     assert provenance["numpy"] == np.__version__
     assert provenance["date"].endswith("+00:00")

@@ -21,12 +21,14 @@ pytestmark = pytest.mark.slow
 
 make = benchmark_module("torture_problems").make
 benchmark = benchmark_module("accuracy")
+GAPS_HZ = (415.0, 490.0)  # the pairs close at 424 Hz and open at 478 Hz
+FIRST_RISE_HZ = (420.0, 432.0)
 
 
 @pytest.fixture(scope="module")
 def gaps() -> ForcedResponse:
     """A chain with pairs that close and open, to 0.2 %."""
-    response: ForcedResponse = make("gaps", 1).solve(harmonics=None, accuracy=0.002)
+    response: ForcedResponse = make("gaps", 1).solve(window_hz=GAPS_HZ, harmonics=None, accuracy=0.002)
     return response
 
 
@@ -83,7 +85,7 @@ def test_a_file_contains_harmonics_and_errors_of_the_points(gaps: ForcedResponse
 
 
 def test_points_with_different_harmonics_have_the_multipliers_of_one_number(gaps: ForcedResponse) -> None:
-    fixed = make("gaps", 1).solve(harmonics=gaps.harmonics)
+    fixed = make("gaps", 1).solve(window_hz=GAPS_HZ, harmonics=gaps.harmonics)
     assert gaps.stable is not None
     assert gaps.multipliers is not None
     assert gaps.stable.all()
@@ -156,9 +158,9 @@ def test_a_limit_of_the_work_is_reported(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_without_steps_that_help_the_tangent_alone_gives_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is of the size of the usual one, not zero."""
     name = "error_by_neglected_harmonics"
-    usual = float(make("gaps", 1).solve(harmonics=3).settings[name])
+    usual = float(make("gaps", 1).solve(window_hz=FIRST_RISE_HZ, harmonics=3).settings[name])
     monkeypatch.setattr(neglected, "MOST_STEPS", 0)
-    tangent_alone = float(make("gaps", 1).solve(harmonics=3).settings[name])
+    tangent_alone = float(make("gaps", 1).solve(window_hz=FIRST_RISE_HZ, harmonics=3).settings[name])
     assert 0.5 * usual < tangent_alone < 3.0 * usual
 
 
@@ -186,7 +188,7 @@ def test_estimates_have_twice_the_harmonics_within_samples_and_damping(
 
 
 def test_an_accuracy_that_the_samples_do_not_allow_is_reported() -> None:
-    coarse = make("gaps", 1).solve(harmonics=None, accuracy=1e-5, samples=64)
+    coarse = make("gaps", 1).solve(window_hz=FIRST_RISE_HZ, harmonics=None, accuracy=1e-5, samples=64)
     assert coarse.estimated_error.max() > 1e-5
     printed_sentence("\n".join(coarse.warnings), "0.001 %", f"{coarse.harmonics} harmonics", numbers=False)
     assert coarse.harmonics <= 16
@@ -205,6 +207,7 @@ def test_wrong_accuracies_are_rejected(blade: Blade) -> None:
         solve(accuracy=0.005, samples=32)
 
 
+@pytest.mark.long
 def test_resonances_without_damping_are_no_false_alarm() -> None:
     """The default case with 15 harmonics: the stuck modes above 20 times the excitation have no damping, but the
     amplitude is that with 9 harmonics to 0.1 %."""

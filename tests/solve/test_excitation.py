@@ -107,7 +107,7 @@ def test_words_and_arrays_as_before() -> None:
     ("make", "keys"),
     [
         (lambda: ss.Excitation.base_motion(ROW, -1.0), ("amplitude",)),
-        (lambda: ss.Excitation.base_motion(ROW, 1.0, kind="jerk"), ("kind",)),
+        (lambda: ss.Excitation.base_motion(ROW, 1.0, kind="jerk"), ("kind",)),  # type: ignore[arg-type]
         (lambda: ss.Excitation.base_motion(np.ones((3, 2)), 1.0), ("direction",)),
         (
             lambda: ss.Excitation.unbalance(ROW, [1.0], 1.0),

@@ -208,7 +208,7 @@ def two_bodies(contact_stiffness: float, damping: float | None) -> tuple[Superel
     return Superelement(np.eye(6), stiffness, matrix), pairs
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_no_viscous_damping_is_solved_and_reported() -> None:
     superelement, pairs = two_bodies(1e6, None)
     with pytest.warns(NotConvergedWarning):  # the resonance is unbounded

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from stickslip.structure.elasticity import Material
 from stickslip.structure.mesh import Mesh
 
 
-def test_resultant_is_mass_times_distance_of_its_centre(make_block):
+def test_resultant_is_mass_times_distance_of_its_centre(make_block: Callable[..., Mesh]) -> None:
     brick = make_block((4, 3, 2), (0.04, 0.03, 0.01), 0.1)
     body = (np.arange(len(brick.cells)) >= 12).astype(np.int64)
     mesh = Mesh(brick.points, brick.cells, body, body_names=("light", "heavy"))
@@ -27,7 +29,7 @@ def test_resultant_is_mass_times_distance_of_its_centre(make_block):
     assert load @ axis == pytest.approx(np.zeros(len(load)), abs=1e-12)
 
 
-def _mass_and_centre(corners, density):
+def _mass_and_centre(corners: np.ndarray, density: float) -> tuple[float, np.ndarray]:
     """By splitting every brick into many small ones with trilinear maps: Gauss points of order 3."""
     from stickslip.structure.shapes import gauss_points, shape_functions
 

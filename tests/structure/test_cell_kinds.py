@@ -1,5 +1,7 @@
 """Every kind of cell: sides, functions, patch test, mass, rigid motions, convergence."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -132,7 +134,7 @@ def test_face_areas_are_shared_among_the_nodes_and_look_outwards(make_block, nam
     assert sum(len(sides) for sides in mesh.outer_sides(0)) == sum(len(sides) for sides in mesh.outer_sides())
 
 
-def test_several_materials_and_single_constrained_directions(make_block):
+def test_several_materials_and_single_constrained_directions(make_block: Callable[..., Mesh]) -> None:
     mesh = block_of("wedge", make_block, (2, 1, 1), (2.0, 1.0, 1.0))
     (block,) = mesh.blocks
     body = (mesh.points[block.cells].mean(axis=1)[:, 0] > 1.0).astype(int)

@@ -136,15 +136,14 @@ def test_tetrahedra_and_wedges_are_reduced_and_kept(make_block, kind, tmp_path, 
 def test_the_reduction_is_the_same_with_any_number_of_threads(blade_structure, blade_superelement):
     """Bit for bit, whatever the threads of the linear algebra around it."""
     nodes = blade_superelement.boundary_nodes
-    for threads in (2, 4):  # the fixture has 1
-        with threadpool_limits(limits=threads):
-            other = craig_bampton(blade_structure, nodes, 30, threads=threads)
-        for name in ("mass", "stiffness"):
-            assert np.array_equal(getattr(other, name), getattr(blade_superelement, name)), (name, threads)
-        assert np.array_equal(other.recovery.modes, blade_superelement.recovery.modes), threads
+    with threadpool_limits(limits=4):
+        other = craig_bampton(blade_structure, nodes, 30, threads=4)  # the fixture has 1
+    for name in ("mass", "stiffness"):
+        assert np.array_equal(getattr(other, name), getattr(blade_superelement, name)), name
+    assert np.array_equal(other.recovery.modes, blade_superelement.recovery.modes)
 
 
-def test_the_sign_of_a_mode_does_not_hang_on_the_last_digit():
+def test_the_sign_of_a_mode_does_not_hang_on_the_last_digit() -> None:
     """Two equal masses that move against each other: both components are equal but for round-off."""
     mass = np.eye(3)
     for last_digit in (-1e-12, 0.0, 1e-12):

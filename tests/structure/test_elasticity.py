@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import scipy.sparse.linalg
@@ -7,6 +9,7 @@ from solid_cells import require_constant_strain
 from stickslip.core.errors import InputError
 from stickslip.structure.elasticity import Material, assemble, natural_frequencies
 from stickslip.structure.joined import joined_modes
+from stickslip.structure.mesh import Mesh
 
 ELEMENTS = ("incompatible", "trilinear", "serendipity")
 SOFT = Material(young_modulus=3.0, poisson_ratio=0.3, density=2.0)
@@ -68,7 +71,7 @@ def test_bending_of_a_slender_cantilever(make_block, element, locks):
         assert deflection == pytest.approx(timoshenko, rel=0.004)
 
 
-def test_cantilever_frequency_is_that_of_a_beam(make_block):
+def test_cantilever_frequency_is_that_of_a_beam(make_block: Callable[..., Mesh]) -> None:
     structure = cantilever(make_block, "incompatible")
     frequency_hz, _ = natural_frequencies(structure.stiffness, structure.mass, 2)
     wave, length = 1.8751040687, 200.0
@@ -111,7 +114,7 @@ def test_ten_tied_frequencies_of_the_blade_pair(blade_mesh, pairs_of, reference_
         np.testing.assert_allclose(frequency_hz, reference_frequencies[name], rtol=tolerance)
 
 
-def test_dense_and_sparse_frequencies_agree(make_block):
+def test_dense_and_sparse_frequencies_agree(make_block: Callable[..., Mesh]) -> None:
     structure = assemble(make_block((3, 2, 2), (1.0, 0.7, 0.5)), SOFT, fixed_nodes=[0, 1, 2, 3])
     sparse, modes = natural_frequencies(structure.stiffness, structure.mass, 6)
     dense, dense_modes = natural_frequencies(structure.stiffness.toarray(), structure.mass.toarray(), 6)
@@ -149,7 +152,7 @@ def test_a_bad_material_is_named(change, key):
         Material(**change)
 
 
-def test_an_element_that_does_not_suit_is_rejected(make_block):
+def test_an_element_that_does_not_suit_is_rejected(make_block: Callable[..., Mesh]) -> None:
     block = make_block((1, 1, 1), (1.0, 1.0, 1.0))
     with rejects(InputError, "element"):
         assemble(block, SOFT, "hexahedron")
@@ -157,7 +160,7 @@ def test_an_element_that_does_not_suit_is_rejected(make_block):
         assemble(block.quadratic(), SOFT, "trilinear")
 
 
-def test_negative_stiffness_and_bad_counts_are_rejected(make_block):
+def test_negative_stiffness_and_bad_counts_are_rejected(make_block: Callable[..., Mesh]) -> None:
     structure = assemble(make_block((1, 1, 1), (1.0, 1.0, 1.0)), SOFT, fixed_nodes=[0, 1, 2, 3])
     with rejects(InputError, "count"):
         natural_frequencies(structure.stiffness, structure.mass, 12)

@@ -1,4 +1,5 @@
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 from unittest.mock import patch
 
 import meshio
@@ -111,7 +112,7 @@ def test_mode_shapes_of_tetrahedra_and_wedges_read_back(tmp_path, block, kind):
     np.testing.assert_allclose(shape / shape[0, 0], modes[:, 0].reshape(-1, 3) / modes[0, 0])
 
 
-def test_fields_of_bodies_jump_at_the_nodes_that_they_share(tmp_path):
+def test_fields_of_bodies_jump_at_the_nodes_that_they_share(tmp_path: Path) -> None:
     """Two bricks of two bodies: twelve nodes, four of them shared, so sixteen rows; in any order."""
     corner = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0, 2.0)])
     first = np.array([0, 1, 4, 3, 6, 7, 10, 9])

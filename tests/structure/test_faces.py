@@ -5,7 +5,7 @@ from stickslip.structure.faces import face_geometry
 from stickslip.structure.mesh import Mesh
 
 
-def quarter_tube(quadratic):
+def quarter_tube(quadratic: bool) -> Mesh:
     """Quarter of a tube around y, radius 1 outside and 0.5 inside, length 2, with its outer surface as a node set."""
     angle, radius, y = np.linspace(0.0, np.pi / 2, 13), np.array([0.5, 1.0]), np.linspace(0.0, 2.0, 3)
     grid = np.array([[[(r * np.cos(a), v, r * np.sin(a)) for v in y] for r in radius] for a in angle])
@@ -17,7 +17,7 @@ def quarter_tube(quadratic):
 
 
 @pytest.mark.parametrize("quadratic", [False, True])
-def test_area_and_normals_of_a_curved_face(quadratic):
+def test_area_and_normals_of_a_curved_face(quadratic: bool) -> None:
     mesh = quarter_tube(quadratic)
     nodes, area, normal = face_geometry(mesh, "outside")
     np.testing.assert_array_equal(nodes, mesh.node_set("outside"))
@@ -32,7 +32,7 @@ def test_area_and_normals_of_a_curved_face(quadratic):
     np.testing.assert_allclose(normal[inner], radial[inner], atol=1e-12)
 
 
-def test_linear_fractions_follow_the_shape_functions():
+def test_linear_fractions_follow_the_shape_functions() -> None:
     points = np.array([[0, 0, 0], [2, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [2, 0, 1], [1, 1, 1], [0, 1, 1]], float)
     mesh = Mesh(points, np.arange(8)[None], node_sets={"top": np.arange(4, 8)})
     nodes, area, _ = face_geometry(mesh, "top")

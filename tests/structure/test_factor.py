@@ -1,4 +1,5 @@
 import sys
+from collections.abc import Callable
 from importlib.util import find_spec
 
 import numpy as np
@@ -11,6 +12,7 @@ from stickslip.core.errors import ConvergenceError, InputError, MissingPackageEr
 from stickslip.structure import factor as factor_module
 from stickslip.structure.elasticity import Material, assemble
 from stickslip.structure.factor import PARDISO_SIZE, best_backend, factor_forecast, factorize
+from stickslip.structure.mesh import Mesh
 
 
 @pytest.fixture(scope="module")
@@ -32,12 +34,12 @@ def test_sparse_right_hand_sides(stiffness):
     np.testing.assert_allclose(stiffness @ factorize(stiffness).solve(columns, block=3), columns.toarray(), atol=1e-12)
 
 
-def test_a_free_body_is_singular_and_reported_so(make_block):
+def test_a_free_body_is_singular_and_reported_so(make_block: Callable[..., Mesh]) -> None:
     with rejects(SingularMatrixError):
         factorize(assemble(make_block((2, 2, 2), (1.0, 1.0, 1.0)), Material()).stiffness)
 
 
-def test_a_zero_row_is_singular():
+def test_a_zero_row_is_singular() -> None:
     with rejects(SingularMatrixError):
         factorize(scipy.sparse.diags([1.0, 0.0, 2.0]))
 
@@ -75,14 +77,14 @@ def test_pardiso_where_it_is_installed(stiffness):
     np.testing.assert_allclose(factor.solve(stiffness @ solution, block=2), solution, atol=1e-11)
 
 
-def test_a_large_factor_with_superlu_says_how_long_it_may_take():
+def test_a_large_factor_with_superlu_says_how_long_it_may_take() -> None:
     assert factor_forecast(10_000, "superlu") == "factor of 10000 unknowns"
     assert factor_forecast(200_000, "pardiso") == "factor of 200000 unknowns"
     sentence = factor_forecast(100_000, "superlu")
     printed_sentence(sentence, "stickslip[pardiso]")
 
 
-def test_the_best_backend_needs_its_package_and_a_size_where_it_pays(monkeypatch):
+def test_the_best_backend_needs_its_package_and_a_size_where_it_pays(monkeypatch: pytest.MonkeyPatch) -> None:
     assert best_backend(PARDISO_SIZE - 1) == "superlu"
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     assert best_backend(10**6) == "superlu"

@@ -8,7 +8,7 @@ from stickslip.structure.shapes import compatible_stiffness
 ELASTIC = Material(young_modulus=3.0, poisson_ratio=0.0).elastic_matrix()
 
 
-def test_pure_bending_of_a_rectangular_brick_is_exact():
+def test_pure_bending_of_a_rectangular_brick_is_exact() -> None:
     lengths = np.array([3.0, 1.0, 0.5])
     corners = 0.5 * CORNERS * lengths
     curvature = 0.2
@@ -23,13 +23,13 @@ def test_pure_bending_of_a_rectangular_brick_is_exact():
     assert locked > 10.0 * energy
 
 
-def test_never_stiffer_than_the_trilinear_brick():
+def test_never_stiffer_than_the_trilinear_brick() -> None:
     corners = CORNERS + 0.2 * np.random.default_rng(3).uniform(-1.0, 1.0, (4, 8, 3))
     difference = compatible_stiffness(corners, ELASTIC) - incompatible_stiffness(corners, ELASTIC)
     assert np.linalg.eigvalsh(difference).min() > -1e-12
 
 
-def test_stiffness_does_not_depend_on_the_order_of_the_corners():
+def test_stiffness_does_not_depend_on_the_order_of_the_corners() -> None:
     corners = CORNERS + 0.2 * np.random.default_rng(3).uniform(-1.0, 1.0, (8, 3))
     turned = np.array([4, 0, 3, 7, 5, 1, 2, 6])
     unknowns = (3 * turned[:, None] + np.arange(3)).ravel()

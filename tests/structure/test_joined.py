@@ -6,14 +6,14 @@ from stickslip.core.errors import InputError
 from stickslip.structure.joined import joined_modes, tie_matrix
 
 
-def test_tied_unknowns_move_together():
+def test_tied_unknowns_move_together() -> None:
     tie = tie_matrix(np.array([2, 1]), np.array([[0], [3]]), np.ones((2, 1)), 5)
     assert tie.shape == (5, 3)
     motion = tie @ np.array([1.0, 2.0, 3.0])
     np.testing.assert_array_equal(motion, [1.0, 2.0, 1.0, 2.0, 3.0])
 
 
-def test_a_tied_unknown_may_follow_several_or_none():
+def test_a_tied_unknown_may_follow_several_or_none() -> None:
     tie = tie_matrix(np.array([0, 3]), np.array([[1, 4], [3, 3]]), np.array([[0.25, 0.75], [0.0, 0.0]]), 5)
     np.testing.assert_array_equal(tie @ np.array([4.0, 2.0, 8.0]), [7.0, 4.0, 2.0, 0.0, 8.0])
 

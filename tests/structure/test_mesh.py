@@ -1,4 +1,5 @@
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -28,26 +29,26 @@ CELL = np.arange(8)[None]
         (CUBE * [1, 1, 0], CELL, ()),
     ],
 )
-def test_unusable_mesh_is_rejected(points, cells, keys):
+def test_unusable_mesh_is_rejected(points: np.ndarray, cells: np.ndarray, keys: tuple[str, ...]) -> None:
     with rejects(InputError, *keys):
         Mesh(points, cells)
 
 
-def test_one_collapsed_corner_is_found():
+def test_one_collapsed_corner_is_found() -> None:
     points = CUBE.copy()
     points[6] = [0.2, 0.2, 0.2]
     with rejects(InputError):
         Mesh(points, CELL)
 
 
-def test_body_and_sets_are_checked():
+def test_body_and_sets_are_checked() -> None:
     with rejects(InputError, "body"):
         Mesh(CUBE, CELL, body=np.zeros(2, dtype=int))
     with rejects(InputError):
         Mesh(CUBE, CELL, node_sets={"top": np.array([99])})
 
 
-def test_one_class_holds_bricks_and_cells_of_several_kinds():
+def test_one_class_holds_bricks_and_cells_of_several_kinds() -> None:
     """A brick with a pyramid of two tetrahedra on it; what needs bricks says so."""
     points = np.vstack([CUBE, [[0.5, 0.5, 2.0]]])
     roof = np.array([[4, 5, 6, 8], [4, 6, 7, 8]])
@@ -67,7 +68,7 @@ def test_one_class_holds_bricks_and_cells_of_several_kinds():
         dataclasses.replace(mesh, body_names=("house", "roof", "cellar"))
 
 
-def test_missing_and_empty_set_name_what_exists():
+def test_missing_and_empty_set_name_what_exists() -> None:
     mesh = Mesh(CUBE, CELL, node_sets={"top": np.arange(4, 8), "none": np.array([], dtype=int)})
     with rejects(InputError):
         mesh.node_set("bottom")
@@ -77,7 +78,7 @@ def test_missing_and_empty_set_name_what_exists():
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("end", [0.0, 1.0])
-def test_sides_look_outward(axis, end):
+def test_sides_look_outward(axis: int, end: float) -> None:
     mesh = Mesh(CUBE, CELL, node_sets={"side": np.flatnonzero(CUBE[:, axis] == end)})
     for whole in (mesh, mesh.quadratic()):
         ((side,),) = whole.sides("side")
@@ -89,19 +90,19 @@ def test_sides_look_outward(axis, end):
         np.testing.assert_allclose(whole.points[side[4:]], middle[: len(side) - 4])
 
 
-def test_sides_inside_a_body_are_left_out(make_block):
+def test_sides_inside_a_body_are_left_out(make_block: Callable[..., Mesh]) -> None:
     block = make_block((2, 1, 1), (2.0, 1.0, 1.0))
     mesh = Mesh(block.points, block.cells, node_sets={"all": np.arange(block.n_nodes)})
     assert len(mesh.sides("all")[0]) == 10
 
 
-def test_a_set_without_a_whole_side_is_rejected():
+def test_a_set_without_a_whole_side_is_rejected() -> None:
     mesh = Mesh(CUBE, CELL, node_sets={"edge": np.array([0, 1])})
     with rejects(InputError):
         mesh.sides("edge")
 
 
-def test_quadratic_adds_shared_edge_nodes(make_block):
+def test_quadratic_adds_shared_edge_nodes(make_block: Callable[..., Mesh]) -> None:
     block = make_block((2, 3, 4), (1.0, 1.0, 1.0), 0.2)
     quadratic = block.quadratic()
     n_edges = 2 * 4 * 5 + 3 * 3 * 5 + 3 * 4 * 4

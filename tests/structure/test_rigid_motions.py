@@ -43,7 +43,7 @@ def test_motions_are_the_zero_eigenvalues_of_the_stiffness(shifts, parts, region
         assert [part.rigid for part in actual] == [6] * parts
 
 
-def test_a_clamped_part_has_no_motion():
+def test_a_clamped_part_has_no_motion() -> None:
     (part,) = part_motions(cubes((0, 0, 0), (1, 0, 0)), np.arange(12))
     assert (part.rigid, part.strainless, part.is_hinged) == (0, 0, False)
 
@@ -58,12 +58,12 @@ def slab_with_tetrahedra(columns):
     return Mesh(np.vstack([bricks.points, tops]), (cells, tetra))
 
 
-def test_many_regions_are_no_hinges_by_themselves():
+def test_many_regions_are_no_hinges_by_themselves() -> None:
     (part,) = part_motions(slab_with_tetrahedra(15), NOTHING)
     assert (part.n_regions, part.rigid, part.strainless, part.is_hinged) == (226, 6, 6, False)
 
 
-def test_many_hinges_are_found():
+def test_many_hinges_are_found() -> None:
     chain = cubes(*((i, i, 0) for i in range(250)))
     (part,) = part_motions(chain, NOTHING)
     assert (part.n_regions, part.rigid, part.strainless) == (250, 6, 6 + 249)

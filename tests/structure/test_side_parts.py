@@ -37,7 +37,7 @@ def test_triangle_rules_are_exact_to_their_degree(degree, size):
             assert weights @ (points[:, 0] ** first * points[:, 1] ** second) == pytest.approx(exact, rel=1e-12)
 
 
-def test_square_rule_is_exact_to_degree_three():
+def test_square_rule_is_exact_to_degree_three() -> None:
     points, weights = square_rule(2)
     assert weights @ (points[:, 0] ** 2 * points[:, 1] ** 2) == pytest.approx(4.0 / 9.0)
     assert weights.sum() == pytest.approx(4.0)

@@ -119,19 +119,13 @@ def test_a_study_without_a_response_ends_the_process(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("untraced_commands")
-def test_figures_need_no_backend(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_neither_a_backend_nor_files_of_the_current_folder_are_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Jupyter sets a backend for all commands that are started in it; drawing needs none."""
-    monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
-    with SecondProcess(Drawing(tmp_path, CASE)) as artist:
-        artist.start(synthetic_response(), synthetic_study())
-        assert artist.files()
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("untraced_commands")
-def test_files_of_the_current_folder_are_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     strangers(tmp_path)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
     with SecondProcess(Drawing(tmp_path / "figures", CASE)) as artist:
         artist.start(synthetic_response(), synthetic_study())
         assert artist.files()
@@ -159,7 +153,7 @@ with SecondProcess(drawing) as artist, whole_file(out / "results.nc", "results",
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Windows has no SIGKILL")
-@pytest.mark.parametrize("when", ["solving", "drawing"])
+@pytest.mark.parametrize("when", ["solving", pytest.param("drawing", marks=pytest.mark.long)])
 def test_after_the_parent_was_killed_no_process_and_no_half_file_stays(tmp_path: Path, when: str) -> None:
     paths = os.pathsep.join(["tests", os.environ.get("PYTHONPATH", "")])
     parent = subprocess.Popen(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from stickslip.core.errors import InputError
 from stickslip.sweeps.axes import split_options, study_value, swept_keys
 
 
-def values(name: str, given: object) -> tuple:
+def values(name: str, given: Any) -> tuple[Any, ...]:
     return swept_keys({name: given})[0].values
 
 
@@ -32,7 +34,7 @@ def values(name: str, given: object) -> tuple:
         ("roughness.reference_area", "25 mm^2:1 cm^2:2", (25e-6, 1e-4)),
     ],
 )
-def test_values_are_si(name: str, given: object, expected: tuple) -> None:
+def test_values_are_si(name: str, given: Any, expected: tuple[Any, ...]) -> None:
     actual = values(name, given)
     assert actual == expected
     assert [type(value) for value in actual] == [type(value) for value in expected]
@@ -90,7 +92,7 @@ def test_labels_and_shown_numbers_are_in_the_unit_of_engineers() -> None:
         ("preload.centrifugal_force", (True,)),
     ],
 )
-def test_what_cannot_be_read_is_reported(name: str, given: object) -> None:
+def test_what_cannot_be_read_is_reported(name: str, given: Any) -> None:
     with rejects(InputError, name):
         swept_keys({name: given})
 

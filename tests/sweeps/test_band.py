@@ -28,7 +28,7 @@ pytestmark = pytest.mark.slow
 
 SCATTER = {FORCE: "1 mN .. 3 mN", DAMPING: "1 % .. 3 %"}
 LIMIT = "peak_amplitude < 3 um"
-SAMPLES = 32
+SAMPLES = 20
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_each_sample_has_the_peak_of_its_inputs(linear: tuple[Band, Path]) -> No
 
 def test_percentiles_are_those_of_the_closed_form(linear: tuple[Band, Path]) -> None:
     """The distribution of F / zeta on a fine grid of both; sample k of n is between the quantiles (k - 1)/n and k/n
-    but for what two inputs mix, so 32 samples determine a percentile to 3 % of probability."""
+    but for what two inputs mix, so 20 samples determine a percentile to 5 % of probability."""
     force, damping = np.meshgrid(*(low * (1.0 + 2.0 * (np.arange(400) + 0.5) / 400) for low in (1e-3, 1e-2)))
     every = np.sort(np.vectorize(peak_m)(force, damping).ravel())
     result = linear[0].percentiles["peak_amplitude"]
@@ -145,7 +145,7 @@ def test_a_band_resumes_and_more_samples_contain_those_of_fewer(
     more = ss.band(study, SCATTER, out=linear[1], samples=SAMPLES + 2, workers=1)
     assert (more.reused, len(solved)) == (SAMPLES, 2)
     assert more.table.rows[:SAMPLES] == linear[0].table.rows
-    printed_sentence(" ".join(more.remarks), "34 samples")
+    printed_sentence(" ".join(more.remarks), f"{SAMPLES + 2} samples")
 
 
 def test_samples_have_checks_only_for_limits_of_slow_sweeps(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ from stickslip.contact.pairing.local_axes import local_tangents, map_position
 from stickslip.core.errors import InputError
 
 
-def around(axis, count=24):
+def around(axis: int, count: int = 24) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points and normals of a circle around a coordinate axis."""
     angle = 2.0 * np.pi * np.arange(count) / count
     normal = np.zeros((count, 3))
@@ -15,7 +15,7 @@ def around(axis, count=24):
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_closed_cylinder_gets_its_axis(axis):
+def test_a_closed_cylinder_gets_its_axis(axis: int) -> None:
     points, normal, area = around(axis)
     tangent1, tangent2 = local_tangents(points, normal, area)
     np.testing.assert_allclose(tangent1, np.tile(np.eye(3)[axis], (24, 1)), atol=1e-12)
@@ -26,14 +26,14 @@ def test_a_closed_cylinder_gets_its_axis(axis):
     np.testing.assert_allclose(position.max(axis=0), -position.min(axis=0))
 
 
-def test_a_sphere_has_no_direction_for_all_points():
+def test_a_sphere_has_no_direction_for_all_points() -> None:
     normal = np.random.default_rng(0).standard_normal((4000, 3))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     with rejects(InputError):
         local_tangents(normal, normal, np.ones(4000))
 
 
-def test_mirrored_faces_have_mirrored_axes():
+def test_mirrored_faces_have_mirrored_axes() -> None:
     normal = np.array([[np.sin(0.5), 0.0, np.cos(0.5)]])
     mirror = np.array([-1.0, 1.0, 1.0])
     one = local_tangents(np.zeros((1, 3)), normal, np.ones(1))
@@ -42,7 +42,7 @@ def test_mirrored_faces_have_mirrored_axes():
         np.testing.assert_allclose(theirs, mine * mirror, atol=1e-15)
 
 
-def test_length_of_the_chosen_direction_does_not_matter():
+def test_length_of_the_chosen_direction_does_not_matter() -> None:
     normal, one = np.array([[0.0, 0.6, 0.8]]), np.ones(1)
     short = local_tangents(np.zeros((1, 3)), normal, one, (1e-6, 1e-6, 0.0))
     np.testing.assert_allclose(short[0], local_tangents(np.zeros((1, 3)), normal, one, (5.0, 5.0, 0.0))[0])

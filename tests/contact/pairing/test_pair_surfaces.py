@@ -1,6 +1,7 @@
 """Faces whose meshes do not match: areas, gaps, directions, what stays unpaired, wrong inputs."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -53,7 +54,7 @@ def assert_same_place(mesh, pairs, gap):
     np.testing.assert_allclose(opposite - pairs.points, gap[:, None] * pairs.normal, atol=1e-11)
 
 
-def test_matching_meshes_give_the_pairs_of_nodes():
+def test_matching_meshes_give_the_pairs_of_nodes() -> None:
     mesh = stacked((3, 2, 1), (3, 2, 1))
     actual, expected = pair_surfaces(mesh, "bottom", "top").pairs, pair_faces(mesh, "bottom", "top")
     assert actual.is_matching
@@ -63,7 +64,7 @@ def test_matching_meshes_give_the_pairs_of_nodes():
     np.testing.assert_array_equal(actual.face_position, expected.face_position)
 
 
-def test_nodes_of_interpolated_pairs_are_those_with_weight():
+def test_nodes_of_interpolated_pairs_are_those_with_weight() -> None:
     pairs = pair_surfaces(stacked((1, 1, 1), (2, 1, 1)), "bottom", "top").pairs
     # Upper nodes at x = 0 and 1 meet a node each, those at 0.5 the two ends of an edge.
     np.testing.assert_array_equal(np.bincount(np.count_nonzero(pairs.second_weights, axis=1)), [0, 4, 2])
@@ -92,20 +93,20 @@ def test_overlap_is_a_negative_gap_and_a_warning(points):
     printed_sentence(warning, f"{pairing.pairs.n_pairs} of {pairing.pairs.n_pairs}", "3 mm")
 
 
-def test_closed_sets_the_gap_to_zero_and_keeps_what_was_measured():
+def test_closed_sets_the_gap_to_zero_and_keeps_what_was_measured() -> None:
     pairing = pair_surfaces(stacked(offset=(0.0, 0.0, -0.003)), "bottom", "top", adjust="closed")
     np.testing.assert_array_equal(pairing.pairs.gap, 0.0)
     np.testing.assert_allclose(pairing.measured_gap, -0.003, rtol=1e-10)
     assert pairing.warnings == ()
 
 
-def test_a_gap_within_the_tolerance_is_none():
+def test_a_gap_within_the_tolerance_is_none() -> None:
     mesh = stacked(offset=(0.0, 0.0, 1e-4))
     np.testing.assert_array_equal(pair_surfaces(mesh, "bottom", "top", gap_tolerance=2e-4).pairs.gap, 0.0)
     assert pair_surfaces(mesh, "bottom", "top", gap_tolerance=5e-5).pairs.gap.min() > 0.0
 
 
-def test_a_tilted_face_has_a_gap_that_grows():
+def test_a_tilted_face_has_a_gap_that_grows() -> None:
     mesh = stacked()
     points = mesh.points.copy()
     upper = mesh.nodes_of_body(1)
@@ -133,7 +134,7 @@ def test_what_hangs_over_stays_unpaired_with_its_area(points):
     printed_sentence("\n".join(pairing.warnings), f"({100 * share:.3g} %)", "'top'")
 
 
-def test_a_point_just_beyond_the_edge_is_paired_within_the_tolerance():
+def test_a_point_just_beyond_the_edge_is_paired_within_the_tolerance() -> None:
     mesh = stacked((2, 2, 1), (2, 2, 1), offset=(0.004, 0.0, 0.0))
     pairing = pair_surfaces(mesh, "bottom", "top", edge_tolerance=0.005)
     assert len(pairing.unpaired_first) == 0
@@ -142,7 +143,7 @@ def test_a_point_just_beyond_the_edge_is_paired_within_the_tolerance():
     assert len(pair_surfaces(mesh, "bottom", "top", edge_tolerance=0.003).unpaired_first) == 3
 
 
-def test_too_far_and_not_facing_are_distinguished():
+def test_too_far_and_not_facing_are_distinguished() -> None:
     with rejects(InputError, "first", "second"):
         pair_surfaces(stacked(offset=(0.0, 0.0, 0.4)), "bottom", "top", search_distance=0.25)
     with rejects(InputError, "first", "second"):
@@ -151,7 +152,7 @@ def test_too_far_and_not_facing_are_distinguished():
         pair_surfaces(stacked(offset=(0.0, 0.0, 0.4)), "bottom", "top", points="quadrature", search_distance=0.25)
 
 
-def test_of_two_layers_nodes_take_the_nearest_and_cells_reject():
+def test_of_two_layers_nodes_take_the_nearest_and_cells_reject() -> None:
     mesh = stacked((2, 2, 2), (3, 3, 1))
     # The lower block is cut in two plates: the middle nodes' side of the lower plate lies in the set as well.
     plates = two_bodies(
@@ -194,7 +195,7 @@ def test_gaps_of_a_pin_in_a_bore_with_flat_sides(pin, bore):
 
 
 @pytest.mark.slow
-def test_gap_of_an_eccentric_pin():
+def test_gap_of_an_eccentric_pin() -> None:
     mesh = pin_in_bore((96, 1), (120, 1), centre=(0.01, 0.0))
     pairing = pair_surfaces(mesh, "top", "bottom", points="quadrature", search_distance=0.05)
     pairs = pairing.pairs
@@ -205,7 +206,7 @@ def test_gap_of_an_eccentric_pin():
     assert pairing.facet_height == pytest.approx(0.5 * (np.pi / 96) ** 2 / 2 + 0.52 * (np.pi / 120) ** 2 / 2, rel=0.02)
 
 
-def test_gaps_that_come_from_flat_sides_alone_are_reported():
+def test_gaps_that_come_from_flat_sides_alone_are_reported() -> None:
     mesh = pin_in_bore((36, 1), (25, 1), bore_radius=0.5)
     pairing = pair_surfaces(mesh, "top", "bottom")
     assert 0.0 < np.abs(pairing.pairs.gap).max() < pairing.facet_height
@@ -240,7 +241,7 @@ def test_turning_and_shifting_both_bodies_changes_nothing(points, angles, shift,
         np.testing.assert_array_equal(pairs.first_nodes, still.first_nodes)
 
 
-def test_chosen_tangent_lies_in_the_face():
+def test_chosen_tangent_lies_in_the_face() -> None:
     pairs = pair_surfaces(stacked(), "bottom", "top", tangent=(1.0, 1.0, 5.0)).pairs
     np.testing.assert_allclose(pairs.tangent1, np.tile([np.sqrt(0.5), np.sqrt(0.5), 0.0], (20, 1)), atol=1e-12)
     matching = pair_faces(stacked((2, 2, 1), (2, 2, 1)), "bottom", "top", tangent=(0.0, 2.0, 0.0))
@@ -265,7 +266,7 @@ def test_wrong_options_are_rejected(options, key):
         pair_surfaces(stacked((1, 1, 1), (2, 1, 1)), "bottom", "top", **options)
 
 
-def test_wrong_sets_are_rejected():
+def test_wrong_sets_are_rejected() -> None:
     mesh = stacked((1, 1, 1), (2, 1, 1))
     with rejects(InputError, "second"):
         pair_surfaces(mesh, "bottom", "side")
@@ -276,12 +277,12 @@ def test_wrong_sets_are_rejected():
         pair_surfaces(partly, "partly", "top")
 
 
-def test_a_pin_needs_a_tangent_that_no_normal_is_along():
+def test_a_pin_needs_a_tangent_that_no_normal_is_along() -> None:
     with rejects(InputError, "tangent"):
         pair_surfaces(pin_in_bore((36, 1), (24, 1)), "top", "bottom", tangent=(1.0, 0.0, 0.0))
 
 
-def test_warnings_about_the_choice_of_the_first_face():
+def test_warnings_about_the_choice_of_the_first_face() -> None:
     coarse = pair_surfaces(stacked((4, 4, 1), (2, 2, 1)), "bottom", "top")
     printed_sentence("\n".join(coarse.warnings))
     quadratic = pair_surfaces(stacked(upper_options={"quadratic": True}), "bottom", "top")
@@ -308,14 +309,14 @@ def test_ground(kind, points):
     assert len(pairing.summary()) > 5
 
 
-def test_wrong_ground_is_rejected():
+def test_wrong_ground_is_rejected() -> None:
     with rejects(InputError, "gap"):
         pair_with_ground(stacked(), "bottom", gap=[0.0, 1.0])
     with rejects(InputError, "points"):
         pair_with_ground(stacked(), "bottom", points="all")
 
 
-def test_interfaces_of_different_kinds_join():
+def test_interfaces_of_different_kinds_join() -> None:
     mesh = stacked()
     parts = [pair_surfaces(mesh, "bottom", "top", points=points).pairs for points in ("nodes", "quadrature")]
     parts.append(pair_with_ground(mesh, "base").pairs)
@@ -326,7 +327,7 @@ def test_interfaces_of_different_kinds_join():
     np.testing.assert_array_equal(joined.nodes, np.unique(np.concatenate([part.nodes for part in parts])))
 
 
-def test_summary_shows_tolerances_and_what_is_left():
+def test_summary_shows_tolerances_and_what_is_left() -> None:
     pairing = pair_surfaces(stacked(offset=(0.3, 0.0, 1e-3)), "bottom", "top", search_distance=0.1)
     rows = {label: (value, unit) for label, value, unit in pairing.summary()}
     assert rows["contact pairs"] == (pairing.pairs.n_pairs, "")
@@ -339,7 +340,7 @@ def test_summary_shows_tolerances_and_what_is_left():
     assert rows["positions on 'bottom' without a partner"] == (f"{len(pairing.unpaired_first)} beyond the edge", "")
 
 
-def test_pairs_and_unpaired_places_read_back(tmp_path):
+def test_pairs_and_unpaired_places_read_back(tmp_path: Path) -> None:
     mesh = stacked(offset=(0.3, 0.0, 1e-3))
     pairings = [pair_surfaces(mesh, "bottom", "top"), pair_with_ground(mesh, "base")]
     path = write_pairs(tmp_path / "pairs.vtu", pairings)
@@ -358,7 +359,7 @@ def test_pairs_and_unpaired_places_read_back(tmp_path):
         write_pairs(tmp_path / "pairs.txt", pairings)
 
 
-def test_pairs_check_themselves():
+def test_pairs_check_themselves() -> None:
     pairs = pair_surfaces(stacked(), "bottom", "top").pairs
     for change, keys in (
         ({"gap": pairs.gap[:3]}, ["gap"]),

@@ -105,7 +105,7 @@ def test_quadratic_faces_keep_area_and_pairs(mesh):
     np.testing.assert_allclose(pairs.normal, np.tile([0.5, 0.0, np.sqrt(0.75)], (pairs.n_pairs, 1)), atol=1e-12)
 
 
-def test_a_face_that_looks_along_z_gets_tangents_along_x_and_y():
+def test_a_face_that_looks_along_z_gets_tangents_along_x_and_y() -> None:
     pairs = pair_faces(two_cubes(), "lower", "upper")
     np.testing.assert_allclose(pairs.normal, np.tile([0.0, 0.0, 1.0], (4, 1)), atol=1e-12)
     np.testing.assert_allclose(pairs.tangent1, np.tile([1.0, 0.0, 0.0], (4, 1)), atol=1e-12)
@@ -146,25 +146,25 @@ def test_nodes_without_partner_are_named(arguments):
         pair_faces(two_cubes(**arguments), "lower", "upper")
 
 
-def test_a_larger_tolerance_bridges_a_gap():
+def test_a_larger_tolerance_bridges_a_gap() -> None:
     assert pair_faces(two_cubes(gap=1e-3), "lower", "upper", tolerance=2e-3).n_pairs == 4
 
 
-def test_a_node_too_many_on_the_first_side_is_found():
+def test_a_node_too_many_on_the_first_side_is_found() -> None:
     with rejects(InputError):
         pair_faces(two_cubes(), "whole", "upper")
 
 
-def test_a_node_too_few_on_the_first_side_is_found():
+def test_a_node_too_few_on_the_first_side_is_found() -> None:
     with rejects(InputError):
         pair_faces(two_cubes(), "corner", "upper")
 
 
-def test_sides_of_a_joint_must_not_share_nodes():
+def test_sides_of_a_joint_must_not_share_nodes() -> None:
     with rejects(InputError, "first", "second"):
         pair_faces(two_cubes(), "lower", "lower")
 
 
-def test_tolerance_must_be_positive():
+def test_tolerance_must_be_positive() -> None:
     with rejects(InputError, "tolerance"):
         pair_faces(two_cubes(), "lower", "upper", tolerance=0.0)

@@ -48,14 +48,14 @@ def test_quadrature_of_distorted_quadrilaterals_is_close(kind, largest):
     assert np.abs(pressure - 1.0).max() < 2e-4
 
 
-def test_distorted_triangles_pass_to_round_off():
+def test_distorted_triangles_pass_to_round_off() -> None:
     options = {"distortion": 0.2, "kind": "tetra"}
     pressure, error = pressed("quadrature", RIGID, lower_options=options, upper_options=options)
     assert error < 1e-11
     np.testing.assert_allclose(pressure, 1.0, atol=1e-9)
 
 
-def test_nodes_pass_only_where_meshes_match():
+def test_nodes_pass_only_where_meshes_match() -> None:
     pressure, error = pressed("nodes", RIGID, (3, 2, 1), (3, 2, 1))
     np.testing.assert_allclose(pressure, 1.0, atol=1e-9)
     pressure, error = pressed("nodes", RIGID)
@@ -64,21 +64,21 @@ def test_nodes_pass_only_where_meshes_match():
 
 
 @pytest.mark.slow
-def test_displacements_of_nodes_converge_with_order_one():
+def test_displacements_of_nodes_converge_with_order_one() -> None:
     errors = [pressed("nodes", RIGID, (3 * n, 2 * n, n), (4 * n, 3 * n, n))[1] for n in (1, 2, 4)]
     slopes = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (slopes > 0.9).all()
 
 
 @pytest.mark.slow
-def test_pressure_of_nodes_evens_out_where_the_springs_are_soft_beside_an_element():
+def test_pressure_of_nodes_evens_out_where_the_springs_are_soft_beside_an_element() -> None:
     spread = [np.abs(pressed("nodes", SOFT, (3 * n, 2 * n, n), (4 * n, 3 * n, n))[0] - 1.0).max() for n in (1, 2, 4)]
     assert spread[0] < 0.06
     assert spread[1] < 0.7 * spread[0]
     assert spread[2] < 0.7 * spread[1]
 
 
-def test_a_finer_first_face_is_the_better_choice():
+def test_a_finer_first_face_is_the_better_choice() -> None:
     coarse = stacked((6, 6, 2), (2, 2, 1))
     spread = {}
     for first, second in (("bottom", "top"), ("top", "bottom")):
@@ -87,7 +87,7 @@ def test_a_finer_first_face_is_the_better_choice():
     assert spread["top"] < 0.2 * spread["bottom"]
 
 
-def test_nodes_of_a_mesh_that_divides_the_other_one_pass():
+def test_nodes_of_a_mesh_that_divides_the_other_one_pass() -> None:
     mesh = stacked((3, 2, 1), (9, 6, 2))
     pressure, error, _ = press(mesh, pair_surfaces(mesh, "bottom", "top").pairs, RIGID)
     assert error < 1e-11

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from math import log, log10, pi, sqrt
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -103,7 +104,7 @@ def test_fully_plastic_load_falls_with_the_dimension_and_rises_again(scale: floa
 
 
 @pytest.mark.parametrize("mode", ["consistent", "varying-curvature"])
-def test_the_other_ways_out_are_named(mode: str) -> None:
+def test_the_other_ways_out_are_named(mode: Literal["consistent", "varying-curvature"]) -> None:
     with rejects(RoughnessError):
         pair_stiffness(rough(2.3), AREA, 125.0, mode=mode)
     assert (pair_stiffness(rough(2.3, shortest_length=1e-6), AREA, 125.0, mode="unloading")[0] > 0).all()

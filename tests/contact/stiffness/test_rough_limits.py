@@ -72,7 +72,7 @@ def test_interference_over_radius_falls_with_g_and_is_least_in_the_middle_of_d(l
         face = rough(dimension, scale, hardness=hardness)
         area = exp(spots_under_load(face, load).log_median_area)
         interference = 2 * sqrt(log(1.5)) * scale ** (dimension - 2) * (2 * sqrt(area / pi)) ** (3 - dimension)
-        return interference / sqrt(area / pi)
+        return float(interference / sqrt(area / pi))
 
     by_scale = np.array([[ratio(D, scale) for D in dimensions] for scale in (1e-10, 1e-9, 1e-8, 1e-7)])
     assert (np.diff(by_scale, axis=0) > 0).all()

@@ -1,6 +1,7 @@
 """Damaged files: a sentence that names the file, or the model that was written; never a traceback or another model."""
 
 import contextlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -93,7 +94,7 @@ def test_damaged_maps(tmp_path, small, good, name):
             assert len(set(zip(model.node, model.direction, strict=True))) == 36
 
 
-def test_a_damaged_superelement(tmp_path):
+def test_a_damaged_superelement(tmp_path: Path) -> None:
     element = Superelement(np.eye(8), 2.0 * np.eye(8), boundary_nodes=np.array([7, 3]))
     path = write_superelement(tmp_path / "part.npz", element)
     content = path.read_bytes()

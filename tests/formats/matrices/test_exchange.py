@@ -1,5 +1,7 @@
 """The exchange format comes back as written, in any order of unknowns; wrong arrays are refused by a sentence."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -40,7 +42,7 @@ def test_what_is_written_comes_back(tmp_path, small):
     assert {name: part.tolist() for name, part in actual.node_sets.items()} == {"face": [3]}
 
 
-def test_rows_in_any_order_come_out_node_by_node(tmp_path):
+def test_rows_in_any_order_come_out_node_by_node(tmp_path: Path) -> None:
     order = np.array([6, 4, 0, 2, 5, 1, 3])
     plain = arrays()
     shuffled = {name: plain[name][np.ix_(order, order)] for name in ("mass", "stiffness")}
@@ -76,7 +78,7 @@ def test_wrong_arrays(tmp_path, changed):
         read_superelement(path)
 
 
-def test_no_file_and_no_folder(tmp_path):
+def test_no_file_and_no_folder(tmp_path: Path) -> None:
     with rejects(ImportFileError):
         read_superelement(tmp_path / "none.npz")
     with rejects(ImportFileError):
@@ -97,7 +99,7 @@ def test_nodes_that_do_not_fit_a_superelement(options, keys):
         Superelement(np.eye(6), np.eye(6), **options)
 
 
-def test_a_model_finds_the_unknowns_of_its_nodes():
+def test_a_model_finds_the_unknowns_of_its_nodes() -> None:
     model = MatrixModel(np.eye(4), np.eye(4), node=np.array([7, 7, 7, 2]), direction=np.array([2, 0, 1, 0]))
     np.testing.assert_array_equal(model.unknowns_of([7]), [[1, 2, 0]])
     with rejects(InputError):

@@ -69,7 +69,7 @@ def test_names_in_one_file_units_and_positions(tmp_path, small):
     np.testing.assert_allclose(model.positions_of([12, 3]), points[[3, 0]])
 
 
-def test_rotations_keep_their_energy_when_lengths_change_unit(tmp_path):
+def test_rotations_keep_their_energy_when_lengths_change_unit(tmp_path: Path) -> None:
     # a beam element in mm and N: deflection (mm) and rotation (rad) of a free end, E I = 1 N mm2, length 2 mm
     bending = np.array([[12 / 8, -6 / 4], [-6 / 4, 4 / 2]])
     np.save(tmp_path / "k.npy", bending)
@@ -226,13 +226,13 @@ def test_bad_output4(tmp_path, small):
     rejected(path, path)
 
 
-def test_sparse_npz_with_an_index_out_of_range_is_rejected(tmp_path):
+def test_sparse_npz_with_an_index_out_of_range_is_rejected(tmp_path: Path) -> None:
     path = tmp_path / "k.npz"
     np.savez(path, format=b"csr", shape=(2, 2), data=np.ones(2), indices=np.array([0, 9]), indptr=np.array([0, 1, 2]))
     rejected(path, path)
 
 
-def test_full_file_without_the_extra_names_it(tmp_path, monkeypatch):
+def test_full_file_without_the_extra_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stickslip.formats.matrices.ansys_full.find_spec", lambda name: None)
     path = tmp_path / "file.full"
     path.write_bytes(b"\0" * 100)
@@ -241,7 +241,7 @@ def test_full_file_without_the_extra_names_it(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_full_file_of_ansys(tmp_path):
+def test_full_file_of_ansys(tmp_path: Path) -> None:
     """The example of ansys-mapdl-reader, a clamped square beam: 300 free nodes, bending modes in equal pairs."""
     if importlib.util.find_spec("ansys") is None:
         absent_tool("ansys-mapdl-reader", 'pip install "stickslip[ansys]".')

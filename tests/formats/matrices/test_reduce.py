@@ -1,5 +1,6 @@
 """Matrices of a program reduce as our own structures do; what floats or folds is named."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from stickslip.formats.matrices.reduce import reduce_matrices
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, assemble, natural_frequencies
 from stickslip.structure.floating_parts import require_contact_bodies, strainless_motions
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.superelement import Superelement
 
 
@@ -61,7 +63,7 @@ def test_a_small_model_is_taken_as_it_is(small):
     np.testing.assert_array_equal(actual.positions, points[position[::3] // 3])
 
 
-def test_strainless_motions_are_the_same_for_dense_and_sparse(make_block):
+def test_strainless_motions_are_the_same_for_dense_and_sparse(make_block: Callable[..., Mesh]) -> None:
     free = assemble(make_block((8, 4, 4), (2.0, 1.0, 1.0)), Material()).stiffness
     assert free.shape[0] > 600
     assert strainless_motions(free).shape[1] == 6
@@ -101,14 +103,14 @@ def corners(n, *blocks):
     return np.concatenate([np.array([3, 9, n]) + block * n for block in blocks])
 
 
-def test_free_bodies_with_contact_are_accepted(make_block):
+def test_free_bodies_with_contact_are_accepted(make_block: Callable[..., Mesh]) -> None:
     model, n = two_blocks(make_block)
     actual = reduce_matrices(model, corners(n, 0, 1), 4)
     frequency, _ = natural_frequencies(actual.stiffness, actual.mass, 13)
     assert frequency[11] < 1e-3 * frequency[12]
 
 
-def test_a_body_without_contact_is_named(make_block):
+def test_a_body_without_contact_is_named(make_block: Callable[..., Mesh]) -> None:
     model, n = two_blocks(make_block)
     with rejects(InputError):
         reduce_matrices(model, corners(n, 0), 4)
@@ -116,7 +118,7 @@ def test_a_body_without_contact_is_named(make_block):
         reduce_matrices(model, corners(n, 0), 1000)
 
 
-def test_one_contact_node_does_not_support_a_body(make_block):
+def test_one_contact_node_does_not_support_a_body(make_block: Callable[..., Mesh]) -> None:
     model, n = two_blocks(make_block)
     with rejects(InputError):
         reduce_matrices(model, [3, 3 + n], 4)
@@ -130,7 +132,7 @@ def test_a_hinge_is_a_mechanism(make_block, n_modes):
         reduce_matrices(model, nodes, n_modes)
 
 
-def test_positions_of_another_model_do_not_explain_rigid_motions(make_block):
+def test_positions_of_another_model_do_not_explain_rigid_motions(make_block: Callable[..., Mesh]) -> None:
     model, n = two_blocks(make_block)
     wrong = replace(model, position=model.position * [5.0, 1.0, 1.0])
     with rejects(InputError):

@@ -111,12 +111,12 @@ def test_the_model_is_that_of_the_flat_deck(flat):
     np.testing.assert_allclose(frequencies(model)[4:], frequencies(flat)[4:], rtol=1e-9)  # after the rigid motions
 
 
-def test_numbers_and_what_is_left_out_are_reported():
+def test_numbers_and_what_is_left_out_are_reported() -> None:
     messages = read_model(DECK, "mm").messages
     printed_sentence("\n".join(messages), "Cube-1", "Cube-2", "RP-1")
 
 
-def test_numbers_that_do_not_collide_stay(tmp_path):
+def test_numbers_that_do_not_collide_stay(tmp_path: Path) -> None:
     """Two parts numbered through, and a part without an instance."""
     deck = """\
 *PART, NAME=a
@@ -158,7 +158,7 @@ def test_numbers_that_do_not_collide_stay(tmp_path):
     printed_sentence("\n".join(model.messages), "'c'", "line 21")
 
 
-def test_rotation_comes_after_translation_about_an_axis_through_space(tmp_path):
+def test_rotation_comes_after_translation_about_an_axis_through_space(tmp_path: Path) -> None:
     """A turn by 120 degrees about the diagonal through (1, 2, 3) sends x to y, y to z and z to x about that point."""
     motion = "5., 6., 7.\n1., 2., 3., 4., 5., 6., 120.\n"
     old = (
@@ -170,7 +170,7 @@ def test_rotation_comes_after_translation_about_an_axis_through_space(tmp_path):
     np.testing.assert_allclose(1e3 * mesh.points[8:], np.stack([z + 1.0, x + 2.0, y + 3.0], axis=1), atol=1e-12)
 
 
-def test_a_mesh_in_the_instance_itself_moves_with_it(tmp_path):
+def test_a_mesh_in_the_instance_itself_moves_with_it(tmp_path: Path) -> None:
     """Abaqus/CAE leaves the part of an independent instance empty and writes the mesh below its position."""
     text = DECK.read_text(encoding="utf-8")
     start, stop = text.index("*Node\n"), text.index("*End Part")
@@ -184,7 +184,7 @@ def test_a_mesh_in_the_instance_itself_moves_with_it(tmp_path):
     np.testing.assert_array_equal(actual.node_forces, wanted.node_forces)
 
 
-def test_a_part_in_an_included_file(tmp_path):
+def test_a_part_in_an_included_file(tmp_path: Path) -> None:
     text = DECK.read_text(encoding="utf-8")
     start, stop = text.index("*Part, name=Cube"), text.index('*Part, name="Empty')
     (tmp_path / "cube.inp").write_text(text[start:stop], encoding="utf-8")
@@ -196,7 +196,7 @@ def test_a_part_in_an_included_file(tmp_path):
         read_model(tmp_path / "deck.inp", "mm")
 
 
-def test_two_sections_of_an_instance_are_two_bodies(tmp_path):
+def test_two_sections_of_an_instance_are_two_bodies(tmp_path: Path) -> None:
     part = """\
 *Node
  11, 20., 0., 0.
@@ -214,7 +214,7 @@ def test_two_sections_of_an_instance_are_two_bodies(tmp_path):
     assert model.materials["Cube-2.Set-1"].density == pytest.approx(7850.0)
 
 
-def test_sets_and_surfaces_of_the_assembly_name_those_of_instances(tmp_path):
+def test_sets_and_surfaces_of_the_assembly_name_those_of_instances(tmp_path: Path) -> None:
     cards = """\
 *Nset, nset=Both
 Assembly.Cube-1.Set-1, Cube-2.8, Ends
@@ -241,14 +241,14 @@ Cube-1.Set-1,
     assert mesh.node_set("Corners").tolist() == [*range(9)]
 
 
-def test_springs_between_instances_are_left_out(tmp_path):
+def test_springs_between_instances_are_left_out(tmp_path: Path) -> None:
     spring = "*Element, type=SPRINGA, elset=Springs\n1, Cube-1.7, Assembly.Cube-2.1\n*End Assembly"
     model = read_model(changed(tmp_path, ("*End Assembly", spring)), "mm")
     printed_sentence("\n".join(model.messages), "SPRINGA")
     np.testing.assert_array_equal(model.mesh.points, read_model(DECK, "mm").mesh.points)
 
 
-def test_names_with_quotes_dots_and_other_capitals(tmp_path):
+def test_names_with_quotes_dots_and_other_capitals(tmp_path: Path) -> None:
     path = changed(
         tmp_path,
         ("name=Cube-2, part=Cube", 'name="cube 2.b", part="CUBE"'),

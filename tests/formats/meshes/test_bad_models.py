@@ -100,7 +100,7 @@ def test_nastran(tmp_path, old, new):
         read_model(changed(tmp_path, "cubes.bdf", old, new), "mm")
 
 
-def test_a_pressed_side_is_a_face_set(tmp_path):
+def test_a_pressed_side_is_a_face_set(tmp_path: Path) -> None:
     path = changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "PLOAD4,4,1,1.0,,,,5,7\nFORCE,3,16,,2.,0.,0.,-1.5\nPSOLID,1,7")
     model = read_model(path, "mm")
     np.testing.assert_array_equal(model.mesh.node_set("PLOAD4 4"), model.mesh.node_set("contact"))
@@ -110,14 +110,14 @@ def test_a_pressed_side_is_a_face_set(tmp_path):
         read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "PLOAD4,4,1,1.0,,,,5,6\nPSOLID,1,7"), "mm")
 
 
-def test_other_cards_are_reported(tmp_path):
+def test_other_cards_are_reported(tmp_path: Path) -> None:
     model = read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "CMASS2,50,1.,1,1\nPSOLID,1,7"), "mm")
     printed_sentence("\n".join(model.messages), "CMASS2")
     model = read_model(changed(tmp_path, "cubes.inp", "*BOUNDARY", "*CONTACT PAIR\nopposite, contact\n*BOUNDARY"), "mm")
     printed_sentence("\n".join(model.messages), "contact pair")
 
 
-def test_generated_sets_free_sides_and_forces(tmp_path):
+def test_generated_sets_free_sides_and_forces(tmp_path: Path) -> None:
     cards = (
         "*NSET, NSET=odd, GENERATE\n1, 999999999, 2\n*SURFACE, NAME=skin\nupper\n"
         "*STEP\n*CLOAD\nodd, 2, 1.5\n*END STEP\n*BOUNDARY\n"
@@ -129,7 +129,7 @@ def test_generated_sets_free_sides_and_forces(tmp_path):
     assert model.node_numbers(np.array([16, 1])).tolist() == [15, 0]
 
 
-def test_odd_units_are_warned_of():
+def test_odd_units_are_warned_of() -> None:
     sound = read_model(MODELS / "cubes.inp", "mm")
     assert sound.warnings == ()
     wrong = read_model(MODELS / "cubes.inp", "m")
@@ -154,7 +154,7 @@ def test_unit_systems(name, pressure, density, force):
     assert density is None or system.density == pytest.approx(density)
 
 
-def test_units_that_do_not_exist_or_fit():
+def test_units_that_do_not_exist_or_fit() -> None:
     with rejects(InputError, "length_unit"):
         find_unit_system("yard")
     with rejects(InputError, "unit_system", "length_unit"):
@@ -165,7 +165,7 @@ def test_units_that_do_not_exist_or_fit():
         read_model("part.inp", "mm")
 
 
-def test_one_name_for_two_sets_is_reported(tmp_path):
+def test_one_name_for_two_sets_is_reported(tmp_path: Path) -> None:
     cards = "*NSET, NSET=upper\n9, 10\n*BOUNDARY"
     model = read_model(changed(tmp_path, "cubes.inp", "*BOUNDARY", cards), "mm")
     assert model.mesh.node_set("upper").tolist() == [8, 9]
@@ -173,7 +173,7 @@ def test_one_name_for_two_sets_is_reported(tmp_path):
     assert read_model(MODELS / "cubes.inp", "mm").messages == ()
 
 
-def test_nodes_that_are_not_merged_are_counted(tmp_path):
+def test_nodes_that_are_not_merged_are_counted(tmp_path: Path) -> None:
     """Both cubes as one body: the four nodes of each meet the four of the other, unjoined."""
     path = changed(tmp_path, "cubes.bdf", "CHEXA          2       2", "CHEXA          2       1")
     messages = read_model(path, "mm").messages

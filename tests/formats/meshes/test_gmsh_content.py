@@ -68,7 +68,7 @@ def test_damaged_version_1(tmp_path, make_block, old, new):
         read_model(tmp_path / "damaged.msh", "mm")
 
 
-def test_version_4_0(tmp_path):
+def test_version_4_0(tmp_path: Path) -> None:
     plain, model = (read_model(each, "mm").mesh for each in (PLAIN, MODELS / "gmsh_4.0_text.msh"))
     assert model.body_names == plain.body_names
     np.testing.assert_allclose(model.points, plain.points, atol=1e-15)
@@ -84,14 +84,14 @@ def test_comments_before_the_header(tmp_path, name):
     require_same_model(changed(tmp_path, b"$MeshFormat", comments + b"$MeshFormat", name), MODELS / name)
 
 
-def test_solids_without_a_group_are_reported(tmp_path):
+def test_solids_without_a_group_are_reported(tmp_path: Path) -> None:
     """Gmsh saves them with Mesh.SaveAll; they have no body, so no material."""
     path = changed(tmp_path, b" 1 2 6 ", b" 0 6 ", "gmsh_4.1_all_text.msh")
     with rejects(ImportFileError):
         read_model(path, "mm")
 
 
-def test_parametric_nodes_and_huge_numbers(tmp_path):
+def test_parametric_nodes_and_huge_numbers(tmp_path: Path) -> None:
     head = b"$Nodes\n"
     content = PLAIN.read_bytes()
     first = content[content.index(head) + len(head) :].split(b"\n")[:3]  # sizes, first block, first node number
@@ -106,7 +106,7 @@ def test_parametric_nodes_and_huge_numbers(tmp_path):
         read_model(changed(tmp_path, head, b"$ParametricNodes\n", "gmsh_2.2_text.msh"), "mm")
 
 
-def test_damaged_entities_are_named(tmp_path):
+def test_damaged_entities_are_named(tmp_path: Path) -> None:
     content = PLAIN.read_bytes()
     start = content.index(b"$Entities\n") + len(b"$Entities\n")
     counts = content[start:].split(b"\n", 1)[0]

@@ -150,7 +150,7 @@ def sorted_numbers(monkeypatch, path):
     return total, model
 
 
-def test_a_deck_with_an_entry_in_each_line_takes_linear_work(tmp_path, monkeypatch):
+def test_a_deck_with_an_entry_in_each_line_takes_linear_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As in nonlinear decks of CalculiX, which hold each node of a face in a line of its own."""
     work = []
     for count in (100, 400):
@@ -164,7 +164,7 @@ def test_a_deck_with_an_entry_in_each_line_takes_linear_work(tmp_path, monkeypat
     assert work[1] < 6.0 * work[0]
 
 
-def test_names_of_a_deck_that_take_each_other_do_not_grow(tmp_path):
+def test_names_of_a_deck_that_take_each_other_do_not_grow(tmp_path: Path) -> None:
     """A set of 16 times itself, 12 times over; the last one has 16 nodes as the first one."""
     text = (MODELS / "cubes.inp").read_text(encoding="utf-8")
     sets = "*NSET, NSET=s0\n" + ", ".join(map(str, range(1, 17))) + "\n"
@@ -177,7 +177,7 @@ def test_names_of_a_deck_that_take_each_other_do_not_grow(tmp_path):
     assert model.mesh.node_set("s12").size == 16
 
 
-def test_ranges_of_nastran_have_a_limit(tmp_path):
+def test_ranges_of_nastran_have_a_limit(tmp_path: Path) -> None:
     """A line of 20 characters may name a million grids."""
     text = (MODELS / "cubes.bdf").read_text(encoding="utf-8")
     path = tmp_path / "deck.bdf"
@@ -186,7 +186,7 @@ def test_ranges_of_nastran_have_a_limit(tmp_path):
         read_model(path, "mm")
 
 
-def test_a_keyword_that_continues_without_end(tmp_path):
+def test_a_keyword_that_continues_without_end(tmp_path: Path) -> None:
     """Parameters over 200,000 lines are joined once."""
     text = (MODELS / "cubes.inp").read_text(encoding="utf-8")
     path = tmp_path / "deck.inp"

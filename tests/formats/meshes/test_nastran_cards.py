@@ -22,12 +22,12 @@ def cubes(tmp_path, cards="", case="SPC = 1", **changes):
     return read_model(path, "mm")
 
 
-def test_added_constraints_combine_those_of_each_set(tmp_path):
+def test_added_constraints_combine_those_of_each_set(tmp_path: Path) -> None:
     model = cubes(tmp_path, "SPCADD,9,1,2\nSPC1,2,3,16\nSPC1,3,1,15", "SPC = 9 $ both")
     assert model.fixed_unknowns.tolist() == [*range(12), 3 * 15 + 2]
 
 
-def test_combined_loads_have_their_factors(tmp_path):
+def test_combined_loads_have_their_factors(tmp_path: Path) -> None:
     cards = "LOAD,7,2.0,3.0,4,-0.5,5\nFORCE,4,16,,1.,0.,0.,1.\nFORCE,5,15,,4.,1.,0.,0.\nFORCE,6,15,,9.,1.,0.,0."
     model = cubes(tmp_path, cards, "SPC = 1\n  LOAD = 7")
     assert model.node_forces[15].tolist() == [0.0, 0.0, 6.0]
@@ -65,7 +65,7 @@ def test_what_cannot_be_resolved_is_rejected(tmp_path, cards, case):
         cubes(tmp_path, cards, case)
 
 
-def test_what_does_not_act_is_reported(tmp_path):
+def test_what_does_not_act_is_reported(tmp_path: Path) -> None:
     model = cubes(tmp_path, "MPC,5,1,1,1.,2,1,-1.")
     printed_sentence("\n".join(model.messages), "MPC")
     model = cubes(tmp_path, "LOAD,7,1.0,1.0,4", "LOAD = 7")
@@ -74,7 +74,7 @@ def test_what_does_not_act_is_reported(tmp_path):
     printed_sentence("\n".join(model.messages), "SPC = 1, 2")
 
 
-def test_a_grid_in_a_turned_system(tmp_path):
+def test_a_grid_in_a_turned_system(tmp_path: Path) -> None:
     """System 4 is turned by 90 degrees about x of system 3, which lies at (10, 0, 0)."""
     systems = "CORD2R,4,3,0.,0.,0.,0.,-1.,0.,+\n+,1.,0.,0.\nCORD2R,3,,10.,0.,0.,10.,0.,1.,+\n+,11.,0.,0."
     model = cubes(tmp_path, systems, grid="GRID,2,4,0.,0.,0.\n")
@@ -97,7 +97,7 @@ def test_systems_that_give_no_axes(tmp_path, system):
         cubes(tmp_path, system, grid="GRID,2,4,0.,0.,0.\n")
 
 
-def test_permanent_constraints_of_a_grid_act(tmp_path):
+def test_permanent_constraints_of_a_grid_act(tmp_path: Path) -> None:
     model = cubes(tmp_path, grid="GRID,2,,10.,0.,0.,,3456\n", case="")
     assert 5 in model.fixed_unknowns
     model = cubes(tmp_path, grid="GRID,2,,10.,0.,0.,,456\n", case="SPC = 1")

@@ -134,13 +134,13 @@ def test_constraints_in_other_directions_become_equations(tmp_path, system, grid
     assert np.linalg.matrix_rank(tied) == 3 - len(rows)
 
 
-def test_directions_of_a_grid_outside_of_solids_do_not_matter(tmp_path):
+def test_directions_of_a_grid_outside_of_solids_do_not_matter(tmp_path: Path) -> None:
     model = cubes(tmp_path, f"{TURNED.format(0.3)}GRID,50,,1.,2.,3.,5\n", {}, "SPC1,1,1,2,50\n")
     assert model.fixed_unknowns.tolist() == [3]
     assert model.messages == ()
 
 
-def test_permanent_constraints_stay_out_of_the_named_set(tmp_path):
+def test_permanent_constraints_stay_out_of_the_named_set(tmp_path: Path) -> None:
     model = cubes(tmp_path, "", {16: ",3"}, "SPC1,1,1,2\n")
     assert model.fixed_unknowns.tolist() == [3, 47]
     assert model.mesh.node_set("SPC 1").tolist() == [1]

@@ -53,7 +53,7 @@ def test_every_way_to_write_the_statement(tmp_path, statement):
     same_as_in_one_file(write(tmp_path, deck=deck, parts__grids=GRIDS))
 
 
-def test_executive_and_case_control_are_included_too(tmp_path):
+def test_executive_and_case_control_are_included_too(tmp_path: Path) -> None:
     path = write(
         tmp_path,
         deck="INCLUDE executive.bdf\nCEND\nINCLUDE case.bdf\nINCLUDE 'bulk.bdf'",
@@ -64,7 +64,7 @@ def test_executive_and_case_control_are_included_too(tmp_path):
     assert read_model(path, "mm").fixed_unknowns.tolist() == [*range(12)]
 
 
-def test_names_are_relative_to_the_including_file_then_to_the_deck(tmp_path):
+def test_names_are_relative_to_the_including_file_then_to_the_deck(tmp_path: Path) -> None:
     nested = "INCLUDE 'inner.bdf'\nINCLUDE 'parts/outer.bdf'\n"
     path = write(
         tmp_path,
@@ -80,7 +80,7 @@ def test_names_are_relative_to_the_including_file_then_to_the_deck(tmp_path):
         read_model(path, "mm")
 
 
-def test_every_joined_line_knows_its_file_and_line(tmp_path):
+def test_every_joined_line_knows_its_file_and_line(tmp_path: Path) -> None:
     path = write(
         tmp_path,
         deck="a\nINCLUDE 'one.bdf'\nb\nINCLUDE\t'o\n ne.bdf'\nc",
@@ -132,6 +132,6 @@ def test_what_is_wrong_is_reported_with_its_file_and_line(tmp_path, files):
         read_model(path, "mm")
 
 
-def test_entries_that_are_not_read_are_reported_with_their_file(tmp_path):
+def test_entries_that_are_not_read_are_reported_with_their_file(tmp_path: Path) -> None:
     path = write(tmp_path, deck=f"{HEAD}{GRIDS}GRAV,1,,9.81,0.,0.,1.\nINCLUDE a.bdf\n{REST}", a="$\nTEMP,1,1,20.\n")
     printed_sentence("\n".join(read_model(path, "mm").messages), "GRAV (line 21)", "TEMP (line 2 of ")

@@ -1,5 +1,8 @@
 """Coordinate systems of Nastran: places by hand, systems in each other, GRDSET, a sector in r, theta and z."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -60,7 +63,7 @@ def test_places_by_hand(tmp_path, systems, given, wanted):
         np.testing.assert_allclose(places(tmp_path, text)[1], wanted, atol=1e-14)
 
 
-def test_grdset_gives_blank_fields_only(tmp_path):
+def test_grdset_gives_blank_fields_only(tmp_path: Path) -> None:
     text = f"GRID,1,,2.,90.,5.\nGRDSET,,6,,,,,3\nGRID,2,5,2.,90.,5.\nGRID,3,0,2.,90.,5.,,0\n{CYLINDER}{NESTED}"
     actual = places(tmp_path, text + "GRID,4,,0.,0.,0.,,12\n")
     np.testing.assert_allclose(actual[1], [-3.0, -88.0, 13.0], atol=1e-13)
@@ -71,7 +74,7 @@ def test_grdset_gives_blank_fields_only(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_long_chain_of_systems(tmp_path):
+def test_a_long_chain_of_systems(tmp_path: Path) -> None:
     """Each one lies at (1, 0, 0) of the next; no recursion ends it."""
     count = 3000
     chain = "".join(f"CORD2R,{n},{n + 1},1.,0.,0.,1.,0.,1.,+\n+,2.,0.,0.\n" for n in range(1, count))
@@ -124,7 +127,7 @@ def test_systems_that_are_wrong(tmp_path, text):
         places(tmp_path, text)
 
 
-def test_a_sector_in_cylindrical_coordinates(tmp_path, make_block):
+def test_a_sector_in_cylindrical_coordinates(tmp_path: Path, make_block: Callable[..., Mesh]) -> None:
     """Two layers of a sector: in x, y, z; and in r, theta, z of a tilted, moved system by grids, in several files."""
     block = make_block((3, 4, 2), (20.0, 40.0, 10.0))
     radius, angle, height = block.points[:, 0] + 50.0, block.points[:, 1], block.points[:, 2]

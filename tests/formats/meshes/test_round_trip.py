@@ -1,6 +1,8 @@
 """A block in two bodies, written to each format and read back: the same volumes, masses, sets and frequencies."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -104,7 +106,7 @@ def reference_volumes(mesh, quadratic):
     return answer
 
 
-def test_named_node_sets_come_back(tmp_path, make_block):
+def test_named_node_sets_come_back(tmp_path: Path, make_block: Callable[..., Mesh]) -> None:
     mesh = two_bodies(make_block, False)
     write_inp(tmp_path / "model.inp", mesh, BODIES, ["contact"], "base")
     write_meshio(tmp_path / "model.vtu", mesh, BODIES, ["contact"], "vtu")

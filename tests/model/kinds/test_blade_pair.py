@@ -176,7 +176,7 @@ def test_every_count_reaches_the_mesh(pairs_of):
     np.testing.assert_allclose(np.ptp(mesh.points[mesh.cells[mesh.body == 0]], axis=(0, 1))[1], geometry.width)
 
 
-def test_lengths_equal_to_round_off_leave_no_sliver():
+def test_lengths_equal_to_round_off_leave_no_sliver() -> None:
     geometry = BladePairGeometry()
     nearly = replace(geometry, damper_length=geometry.width * (1 + 1e-15))
     assert blade_pair_mesh(nearly).n_nodes == 5005

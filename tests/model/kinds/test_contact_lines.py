@@ -137,7 +137,7 @@ def test_small_forces_give_the_stuck_resonance_and_large_ones_the_energies(chang
     assert np.abs(loud.input_energy - lost).max() < 1e-3 * loud.input_energy.max()
 
 
-@pytest.mark.slow
+@pytest.mark.long  # thousands of load steps
 def test_a_solved_preload_has_the_loads_of_the_statics() -> None:
     """The sums of both lines are those of a cylinder without friction; a crown has its load in the middle."""
     solved = {"preload.method": "solved", "geometry.right_platform_angle": "20 deg", "damper.crowning": "5 um"}

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -117,7 +118,7 @@ def test_a_stopped_study_continues_and_damage_is_computed_again(
     solved: list[object] = []
     original = computing.solve_setting
 
-    def counted(task, reduced):
+    def counted(task: Any, reduced: Any) -> Any:
         solved.append(task.setting)
         return original(task, reduced)
 

@@ -27,6 +27,7 @@ def test_modal_basis_normalises_by_mass(blade: Blade) -> None:
 def test_bench_damping_is_two_per_mille_on_the_stuck_modes(blade: Blade) -> None:
     stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs)
     frequency, modes = modal_basis(blade.superelement.mass, stiffness)
+    assert blade.superelement.damping is not None
     rebuilt = modal_damping_matrix(blade.superelement.mass, modes, modal_damping(frequency, 0.002, frequency.max()))
     assert np.abs(rebuilt - blade.superelement.damping).max() < 1e-6 * np.abs(rebuilt).max()
 

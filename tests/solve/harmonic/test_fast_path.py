@@ -29,6 +29,7 @@ def curve_of(blade: Blade) -> ForcedResponse:
 def dense_equations(blade: Blade, omega: float, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Residual, Jacobian and derivative by omega of the harmonic balance in all unknowns, u (2H+1, n)."""
     m, c, k = blade.superelement.mass, blade.superelement.damping, blade.superelement.stiffness
+    assert c is not None
     width, n = u.shape
     matrix, by_omega = np.zeros((width, n, width, n)), np.zeros((width, n, width, n))
     matrix[0, :, 0] = k

@@ -12,6 +12,7 @@ from stickslip.solve.harmonic.linear import LinearLimit
 def test_response_equals_direct_solves(blade: Blade) -> None:
     mass, stiffness = blade.superelement.mass, blade.superelement.stiffness
     for dashpot in (0.0, 0.5, 500.0):  # the largest makes the iteration fail, so the full system is solved
+        assert blade.superelement.damping is not None
         damping = blade.superelement.damping.copy()
         damping[2, 2] += dashpot
         limit = LinearLimit.of_matrices(mass, stiffness, damping)

@@ -166,7 +166,7 @@ def test_a_branch_does_not_go_on_far_beyond() -> None:
 def test_a_part_that_is_left_out_is_measured() -> None:
     points = [PlanePoint(x, y, 0.0) for x, y in ((1.0, 0.5), (1.5, 0.4), (1.2, 0.3), (1.01, 0.51))]
     crossing = crossing_of(points[:3], points[3])
-    assert crossing == Crossing(0.5, 0.51, pytest.approx(0.01), 0.3, 1.5)
+    assert crossing == Crossing(0.5, 0.51, pytest.approx(0.01), 0.3, 1.5)  # type: ignore[arg-type]
 
 
 def test_a_branch_beside_a_loop_is_followed_to_its_end() -> None:
@@ -195,7 +195,8 @@ class Astray(Branch[PlanePoint]):
 
 
 def test_a_step_onto_a_loop_is_taken_back_after_one_turn() -> None:
-    curve, events = line_beside_an_ellipse(), []
+    events: list[Any] = []
+    curve = line_beside_an_ellipse()
     newton = Newton(curve, NewtonSettings(1e-12))
     settings = ContinuationSettings(largest_step=0.02)
     branch = Astray(newton, curve.at(0.9, 10.0), 11.0, settings, events.append)
@@ -223,7 +224,8 @@ class TurnedRound(Branch[PlanePoint]):
 
 
 def test_a_branch_that_turned_round_continues_where_it_did() -> None:
-    curve, events = line_beside_an_ellipse(), []
+    events: list[Any] = []
+    curve = line_beside_an_ellipse()
     newton = Newton(curve, NewtonSettings(1e-12))
     settings = ContinuationSettings(largest_step=0.03)
     branch = TurnedRound(newton, curve.at(0.9, 10.0), 11.0, settings, events.append)
@@ -244,7 +246,7 @@ def solved(case: Case) -> tuple[ForcedResponse, Peak]:
     return response, summary(response, next(iter(model.outputs.values()))).peak
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
     """At 469.89 Hz the branch turns by 160 degrees, over less than 3e-4 of the window; shorter steps fail there."""
     case = casting_case().replace(

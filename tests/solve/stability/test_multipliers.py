@@ -291,7 +291,7 @@ def test_the_iteration_gives_the_largest_of_all_eigenvalues(blade: Blade, monkey
     np.testing.assert_allclose(np.abs(largest[:, 0]), np.abs(every[:, 0]), atol=3e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_two_blade_case_loses_stability_at_its_folds_alone() -> None:
     """Fast coordinates without damping gave false tori beside its peak, with 44 pairs that slip and 66 that separate.
     Time integration stays near the points outside of the folds and leaves those between them."""

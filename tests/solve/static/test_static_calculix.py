@@ -1,5 +1,7 @@
 """The preload of the two blades beside contact of CalculiX on the same mesh with the same stiffness per area."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -25,13 +27,11 @@ ELEMENTS = BladePairElements(
 # faces are crowned along y.
 CASES = [
     (1e12, 0.0, SURFACE, 0.0),
-    (1e12, 0.3, SURFACE, 0.0),
-    (1e13, 0.0, SURFACE, 0.0),
     (1e13, 0.3, SURFACE, 0.0),
     (1e12, 0.3, NODE, 0.0),
-    (1e13, 0.3, NODE, 0.0),
     (1e12, 0.3, SURFACE, 8e-6),
 ]
+FURTHER_CASES = [(1e12, 0.3, SURFACE, 0.0), (1e13, 0.0, SURFACE, 0.0), (1e13, 0.3, NODE, 0.0)]  # 6 s together
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +40,13 @@ def blades() -> PressedBlades:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("stiffness", "friction", "kind", "crown"), CASES)
-def test_forces_open_area_and_peak_pressure(blades, tmp_path, stiffness, friction, kind, crown):
+@pytest.mark.parametrize(
+    ("stiffness", "friction", "kind", "crown"),
+    [*CASES, *(pytest.param(*case, marks=pytest.mark.long) for case in FURTHER_CASES)],
+)
+def test_forces_open_area_and_peak_pressure(
+    blades: PressedBlades, tmp_path: Path, stiffness: float, friction: float, kind: str, crown: float
+) -> None:
     gap = crown * (blades.mesh.points[blades.pairs.first_node, 1] / HALF_LENGTH) ** 2
     actual = calculix_contact(tmp_path, blades, stiffness, friction, kind, gap)
     own = our_contact(blades, stiffness, friction, gap)
@@ -52,11 +57,12 @@ def test_forces_open_area_and_peak_pressure(blades, tmp_path, stiffness, frictio
     assert not differs_beyond_one_row(blades.pairs, own.closure > 0.0, actual.closure > 0.0)
     if kind == SURFACE:
         row = blades.face_areas / min(ELEMENTS.contact_columns, ELEMENTS.chordwise)
+        assert own.closed_area is not None
         assert (np.abs(own.closed_area - actual.closed_area) < row).all()
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_each_face_takes_the_force_of_the_wedge(blades, friction):
+def test_each_face_takes_the_force_of_the_wedge(blades: PressedBlades, friction: float) -> None:
     """F_N / (2 (cos theta + mu sin theta)), although the blades bend, pressure varies and pairs open."""
     own = our_contact(blades, 1e12, friction)
     wedge = FORCE / (2.0 * (np.cos(ANGLE) + friction * np.sin(ANGLE)))
@@ -64,7 +70,7 @@ def test_each_face_takes_the_force_of_the_wedge(blades, friction):
     np.testing.assert_allclose(own.shear, friction * wedge, rtol=2e-3, atol=1e-9)
 
 
-def test_a_row_further_is_a_difference(blades):
+def test_a_row_further_is_a_difference(blades: PressedBlades) -> None:
     """The comparison itself: a border that moves by one row passes, one that moves by two does not."""
     across = blades.pairs.face_position[:, 1]
     levels = np.unique(np.round(across, 9))
@@ -73,7 +79,7 @@ def test_a_row_further_is_a_difference(blades):
     assert differs_beyond_one_row(blades.pairs, closed[2], closed[4])
 
 
-def test_results_are_read_from_the_last_increment(tmp_path):
+def test_results_are_read_from_the_last_increment(tmp_path: Path) -> None:
     statistics = """
  statistics for slave set SURFACE_DAMPER_{}, master set SURFACE_X and time  0.1E+01
 

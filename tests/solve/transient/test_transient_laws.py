@@ -139,7 +139,7 @@ def test_a_mixed_joint_balances_its_energy_and_agrees_with_the_balance() -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["jenkins", "iwan"])
+@pytest.mark.parametrize("name", ["jenkins", pytest.param("iwan", marks=pytest.mark.long)])
 def test_a_residual_traction_is_the_same_in_both(name: str) -> None:
     """A joint that a static load has sheared: what it keeps of it moves the mean of the vibration."""
     law, _, _ = LAWS[name]
