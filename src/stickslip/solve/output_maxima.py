@@ -15,12 +15,14 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic
+from typing import Any, Generic, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stickslip.core.errors import InputError
 from stickslip.core.fourier import with_rows
-from stickslip.core.validation import FloatArray
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.harmonic.curves import BalancePointT
 from stickslip.solve.harmonic.missed_peaks import HIGHER, VISIBLE
@@ -40,17 +42,54 @@ DEPTH = 3
 NEAR = 0.5
 
 
-@dataclass(frozen=True)
-class Filled(Generic[BalancePointT]):
-    """The points of a curve with those at maxima of outputs, and the numbers of points after which it is interrupted.
-
-    ``added`` is the number of new points, ``failed_hz`` are the places of expected maxima without a solution.
-    """
+class Curve(Protocol[BalancePointT]):
+    """A curve with points that may have others between them."""
 
     points: list[BranchPoint[BalancePointT]]
-    breaks: list[int]
-    added: int = 0
-    failed_hz: tuple[float, ...] = ()
+    breaks: list[int]  # numbers of the points after which it is interrupted
+
+
+@dataclass(frozen=True)
+class AddedMaxima:
+    """The number of outputs and of new points, and the places in Hz of expected maxima without a solution near them."""
+
+    outputs: int
+    points: int
+    failed_hz: tuple[float, ...]
+
+    def words(self) -> str:
+        """One sentence."""
+        if not self.outputs:
+            return "no output is given"
+        return (
+            f"{self.outputs} outputs checked, {self.points} points added between points of the curve, "
+            f"{len(self.failed_hz)} places without a solution"
+        )
+
+    def warnings(self) -> tuple[str, ...]:
+        """A warning for places without a solution."""
+        if not self.failed_hz:
+            return ()
+        places = ", ".join(f"{each:.3f}" for each in self.failed_hz)
+        return (
+            f"An output may have a maximum near {places} Hz that the curve does not have: its amplitude rises between "
+            "two points, and Newton does not converge there. Run this part of the range again with a smaller "
+            "largest_step.",
+        )
+
+
+def output_rows(outputs: ArrayLike | None, size: int) -> FloatArray:
+    """(k, size) rows of outputs, given as one row or several, (0, size) for None. Raises InputError."""
+    if outputs is None:
+        return np.zeros((0, size))
+    rows = finite_array("outputs", outputs)
+    if rows.ndim not in (1, 2) or rows.shape[-1] != size:
+        raise InputError(
+            f"outputs must be the row ({size},) of an output, or rows (n_outputs, {size}), but its shape is "
+            f"{rows.shape}.",
+            arguments=["outputs"],
+        )
+    return np.atleast_2d(rows)
 
 
 @dataclass(frozen=True)
@@ -84,7 +123,8 @@ class _Cubic:
     def direction(self, place: float) -> Tangent:
         """The derivative by s."""
         rest = 1.0 - place
-        return _sum(self.controls, (rest * rest - 2.0 * rest * place, 2.0 * rest * place - place**2, place**2))
+        weights = rest**2 - 2.0 * rest * place, 2.0 * rest * place - place**2, place**2
+        return _sum(self.controls, [3.0 * each for each in weights])
 
 
 def bernstein(place: FloatArray | float) -> FloatArray:
@@ -102,16 +142,20 @@ def cubic_between(before: BranchPoint[Any], after: BranchPoint[Any], metric: Met
     """The curve between two points; with one tangent a parabola, None without any."""
     chord = chord_between(before.point, after.point)
     length = math.sqrt(metric.product(chord, chord))
-    start, end = (
-        None if each.tangent is None else _along(each.tangent, chord, metric).times(length) for each in (before, after)
-    )
+    known = [None if each.tangent is None else _along(each.tangent, chord, metric) for each in (before, after)]
+    start, end = (None if each is None else each.times(length) for each in known)
     if length == 0.0 or (start is None and end is None):
         return None
-    if end is None:
-        end = chord.times(2.0).plus(start.times(-1.0))
-    elif start is None:
-        start = chord.times(2.0).plus(end.times(-1.0))
+    # The tangents of a parabola have the chord as their mean.
+    start = start or _mirrored(end, chord)
+    end = end or _mirrored(start, chord)
     return _Cubic((start.times(1.0 / 3.0), chord.plus(end.times(-1.0 / 3.0)), chord), length)
+
+
+def _mirrored(tangent: Tangent | None, chord: Tangent) -> Tangent:
+    """The tangent at the other end of a parabola."""
+    assert tangent is not None  # at most one of both is unknown
+    return chord.times(2.0).plus(tangent.times(-1.0))
 
 
 def _along(tangent: Tangent, chord: Tangent, metric: Metric) -> Tangent:
@@ -137,7 +181,7 @@ class OutputMaxima(Generic[BalancePointT]):
     work:
         that on the whole curve, at whose limit no more points follow.
     begin, revise:
-        for points with different numbers of harmonics: ``begin`` sets those of a new point like those of a known one,
+        where points have different numbers of harmonics: ``begin`` sets those of a new point from a known one,
         ``revise`` is that of the branch.
     """
 
@@ -158,20 +202,24 @@ class OutputMaxima(Generic[BalancePointT]):
         self._highest = np.zeros(len(outputs))
         self._failed_hz: list[float] = []
 
-    def filled(self, points: Sequence[BranchPoint[BalancePointT]], breaks: Sequence[int]) -> Filled[BalancePointT]:
-        """The points of a curve with those at maxima between them."""
-        known = [self._sampled(each) for each in points]
+    def add(self, curve: Curve[BalancePointT]) -> AddedMaxima:
+        """Add points to a curve."""
+        if not len(self._outputs):
+            return AddedMaxima(0, 0, ())
+        known = [self._sampled(each) for each in curve.points]
         self._highest = np.max([each.amplitude for each in known], axis=0)
-        for each in points:
-            self._corrector.measure(each.point)  # the largest motion is the scale
-        answer, after_breaks = [points[0]], []
+        for each in known:
+            self._corrector.measure(each.point)  # the largest motion of all is the scale
+        points, breaks = curve.points[:1], []
         for index, (before, after) in enumerate(itertools.pairwise(known)):
-            if index in breaks:
-                after_breaks.append(len(answer) - 1)
+            if index in curve.breaks:
+                breaks.append(len(points) - 1)
             else:
-                answer += [each.branch_point for each in self._within(before, after, DEPTH)]
-            answer.append(after.branch_point)
-        return Filled(answer, after_breaks, len(answer) - len(points), tuple(self._failed_hz))
+                points += [each.branch_point for each in self._within(before, after, DEPTH)]
+            points.append(after.branch_point)
+        added = AddedMaxima(len(self._outputs), len(points) - len(known), tuple(self._failed_hz))
+        curve.points, curve.breaks = points, breaks
+        return added
 
     def _within(
         self, before: _Sampled[BalancePointT], after: _Sampled[BalancePointT], depth: int
@@ -216,7 +264,7 @@ class OutputMaxima(Generic[BalancePointT]):
         self._begin(before)
         ahead, problem = cubic.ahead(place), self._newton.problem
         guess = problem.evaluate(before.unknowns + ahead.unknowns, before.parameters + ahead.parameters)
-        plane = self._corrector.plane(guess, cubic.direction(place), 0.0)
+        plane = self._corrector.plane(guess, metric.unit(cubic.direction(place)), 0.0)
         correction = self._corrector.correct(guess, plane)
         away = chord_between(guess, correction.point)
         if not correction.converged or metric.product(away, away) > (NEAR * cubic.length) ** 2:
