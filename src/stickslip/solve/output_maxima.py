@@ -73,7 +73,7 @@ class AddedMaxima:
         places = ", ".join(f"{each:.3f}" for each in self.failed_hz)
         return (
             f"An output may have a maximum near {places} Hz that the curve does not have: its amplitude rises between "
-            "two points, and Newton does not converge there. Run this part of the range again with a smaller "
+            "two points, and the solver found no point there. Run this part of the range again with a smaller "
             "largest_step.",
         )
 
@@ -228,9 +228,10 @@ class OutputMaxima(Generic[BalancePointT]):
         metric = self._corrector.measure(after.point)
         cubic = cubic_between(before.branch_point, after.branch_point, metric)
         place = None if cubic is None else self._highest_place(before, after, cubic)
-        if cubic is None or place is None or not depth or self._work.limit_words:
+        if cubic is None or place is None:
             return []
-        middle = self._solved(before.point, cubic, place, metric)
+        is_allowed = depth > 0 and not self._work.limit_words
+        middle = self._solved(before.point, cubic, place, metric) if is_allowed else None
         if middle is None:
             self._failed_hz.append(float(before.point.trial.omega + cubic.ahead(place).parameter) / (2.0 * math.pi))
             return []
