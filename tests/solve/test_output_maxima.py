@@ -58,7 +58,8 @@ def test_a_flat_maximum_between_two_points_gets_a_point(window_hz: tuple[float, 
     assert np.isin(without.frequency_hz, response.frequency_hz).all()
     assert (np.diff(response.frequency_hz) * (window_hz[1] - window_hz[0]) > 0.0).all()
     words = str(response.settings["maxima_between_points"])
-    assert words.startswith(f"1 outputs checked, {response.n_points - without.n_points} points added")
+    assert words.startswith("outputs: 1; points added between points of the curve: ")
+    assert f": {response.n_points - without.n_points}; places" in words
     assert response.residual.max() < 1e-9
 
 
@@ -88,7 +89,7 @@ def test_a_place_without_a_solution_gives_a_warning(monkeypatch: pytest.MonkeyPa
     response = two_modes(outputs=OUTPUT)
     assert response.n_points == two_modes().n_points
     (warning,) = (words for words in response.warnings if "maximum" in words)
-    assert "1 places without a solution" in str(response.settings["maxima_between_points"])
+    assert "places without a solution: 1" in str(response.settings["maxima_between_points"])
     hertz = float(warning.partition(" Hz")[0].split()[-1])
     assert hertz == pytest.approx(MAXIMUM_HZ, abs=6.0)  # that of the cubic
 

@@ -62,8 +62,8 @@ class AddedMaxima:
         if not self.outputs:
             return "no output is given"
         return (
-            f"{self.outputs} outputs checked, {self.points} points added between points of the curve, "
-            f"{len(self.failed_hz)} places without a solution"
+            f"outputs: {self.outputs}; points added between points of the curve: {self.points}; "
+            f"places without a solution: {len(self.failed_hz)}"
         )
 
     def warnings(self) -> tuple[str, ...]:
