@@ -130,6 +130,7 @@ class Problem:
                 frequency_hz=window_hz or self.window_hz,
                 modal_damping_ratio=self.modal_damping_ratio,
                 harmonics=harmonics,
+                outputs=self.structure.output,
                 **{"samples": 128, "threads": 1} | options,
             )
 

@@ -21,6 +21,7 @@ from stickslip.solve.harmonic.energy import CurveMeasures, measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
 from stickslip.solve.harmonic.neglected import CurveAccuracy, more_harmonics
+from stickslip.solve.output_maxima import AddedMaxima
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.retreats import Crossing
 from stickslip.solve.path.stepping import Accepted, BranchPoint, Corner, Retreat
@@ -78,6 +79,7 @@ def response_of(
     report: StageReport,
     *,
     peaks: PeakCheck | None = None,
+    added: AddedMaxima | None = None,
     no_stability: str = "",
     accuracy: CurveAccuracy | None = None,
     breaks: Sequence[int] = (),
@@ -85,9 +87,10 @@ def response_of(
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
-    ``peaks`` is the search for peaks that the branch missed; ``no_stability`` says why its points get no multipliers;
-    ``accuracy`` are harmonics and errors of its points, if they differ: ``balance`` then has the most of them;
-    ``breaks`` are the points after which the branch is interrupted, ``warnings`` sentences on them.
+    ``peaks`` is the search for peaks that the branch missed, ``added`` that for maxima of outputs; ``no_stability``
+    says why its points get no multipliers; ``accuracy`` are harmonics and errors of its points, if they differ:
+    ``balance`` then has the most of them; ``breaks`` are the points after which the branch is interrupted, ``warnings``
+    sentences on them.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -133,6 +136,7 @@ def response_of(
         + neighbour_warnings(retreats_hz, corners_hz, branch.crossings)
         + tuple(warnings)
         + (() if peaks is None else peaks.warnings())
+        + (() if added is None else added.warnings())
         + _stability_warnings(verdict, hertz),
         harmonics=harmonics,
         samples=balance.samples,
@@ -140,7 +144,8 @@ def response_of(
         linear=linear,
         force=balances.shown(_mean_force(trials, balance)).T,
         settings=_settings(window, balances, balance, newton, check, accuracy)
-        | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()}),
+        | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()})
+        | ({} if added is None else {"maxima_between_points": added.words()}),
         point_harmonics=None if accuracy is None else accuracy.harmonics[: len(trials)],
         estimated_error=None if accuracy is None else accuracy.errors[: len(trials)],
         provenance={} if accuracy is None else {"accuracy": accuracy.words()},

@@ -28,6 +28,7 @@ from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
 from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy, VaryingPoint
+from stickslip.solve.output_maxima import AddedMaxima, OutputMaxima, output_rows
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
@@ -64,6 +65,7 @@ def forced_response(
     continuation: ContinuationSettings | None = None,
     traction_band: ArrayLike | None = None,
     traction_starts: int = DEFAULT_STARTS,
+    outputs: ArrayLike | None = None,
     checks: bool = True,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
@@ -109,6 +111,10 @@ def forced_response(
         tractions of its pairs (``response.traction_band``), several times as long as the curve itself takes.
     traction_starts:
         random tractions from which the band is optimised, beside zero and the extreme ones to first order.
+    outputs:
+        row (n,) of an output, or rows (n_outputs, n): where the amplitude of one of them has a maximum between two
+        points, at least 1 % above both, the curve gets a point. Steps follow the vibration of the whole structure, so
+        an output that moves little may have such a maximum. None looks for none; studies give all of theirs.
     checks:
         False omits the Floquet multipliers and the search for peaks that the curve missed: for curves that only show
         the effect of an input beside one with these checks.
@@ -139,7 +145,7 @@ def forced_response(
         superelement, pairs, as_excitation(excitation, force_sin, force_cos), frequency_hz=frequency_hz,
         harmonics=harmonics, accuracy=accuracy, samples=samples, modal_damping_ratio=modal_damping_ratio, update=update,
         newton=newton, continuation=continuation, traction_band=traction_band, traction_starts=traction_starts,
-        checks=checks, threads=threads, progress=progress,
+        outputs=outputs, checks=checks, threads=threads, progress=progress,
     )  # fmt: skip
     return reported(response, raise_on_failure)
 
@@ -148,8 +154,8 @@ def unreported_response(
     superelement: Substructure, pairs: ContactPairs, excitation: Excitation, *,
     frequency_hz: tuple[float, float], harmonics: int | None, accuracy: float | None, samples: int,
     modal_damping_ratio: float | None, update: Update, newton: NewtonSettings | None,
-    continuation: ContinuationSettings | None, traction_band: ArrayLike | None, traction_starts: int, checks: bool,
-    threads: int | None, progress: ProgressCallback | None,
+    continuation: ContinuationSettings | None, traction_band: ArrayLike | None, traction_starts: int,
+    outputs: ArrayLike | None, checks: bool, threads: int | None, progress: ProgressCallback | None,
 ) -> ForcedResponse:  # fmt: skip
     """:func:`forced_response`, for a caller that reports a curve that ends early itself."""
     began = time.perf_counter()
@@ -158,6 +164,7 @@ def unreported_response(
     whole_number("traction_starts", traction_starts, 0)
     structure = curve_structure(superelement)
     band_output = None if traction_band is None else structure.band_output(pairs, traction_band)
+    rows = output_rows(outputs, superelement.row_size)
     newton = newton or NewtonSettings()
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
@@ -190,6 +197,7 @@ def unreported_response(
             curve: Pieces[BalancePointT],
             solver: Newton[BalancePointT],
             balance: Balance,
+            added: AddedMaxima,
             reached: CurveAccuracy | None = None,
         ) -> ForcedResponse:
             peaks = None
@@ -197,7 +205,7 @@ def unreported_response(
                 report.stage("search for missed peaks")
                 peaks = search_missed_peaks(solver, [each.point for each in curve.points], resonances.seen)
             return response_of(
-                curve, balances, balance, window, newton, how, report, peaks=peaks, accuracy=reached,
+                curve, balances, balance, window, newton, how, report, peaks=peaks, added=added, accuracy=reached,
                 no_stability="" if checks else NO_CHECKS,
                 breaks=curve.breaks, warnings=curve.warnings,
             )  # fmt: skip
@@ -212,8 +220,9 @@ def unreported_response(
                 return branch
 
             pieces = Pieces(fixed, window_omega, settling).follow(start, how)
+            added = OutputMaxima(solver, balances, rows, abs(stop_omega - start_omega), work).add(pieces)
             points: Sequence[BalancePoint] = [each.point for each in pieces.points]
-            response = finished(pieces, solver, curve.balance)
+            response = finished(pieces, solver, curve.balance, added)
         else:
             varying = HarmonicsByAccuracy(
                 balances.with_harmonics,
@@ -230,8 +239,13 @@ def unreported_response(
                 return varying.follow(point, stop, settings, listen, resonances)
 
             accurate = Pieces(by_accuracy, window_omega, settling, varies=True).follow(start, how)
+            added = OutputMaxima(
+                varying.newton, balances, rows, abs(stop_omega - start_omega), work, varying.begin, varying.revised
+            ).add(accurate)
+            varying.end()
             points = accurate_points = [each.point for each in accurate.points]
-            response = finished(accurate, varying.newton, varying.widest, varying.reached(accurate_points))
+            widest, reached = varying.widest(accurate_points), varying.reached(accurate_points)
+            response = finished(accurate, varying.newton, widest, added, reached)
         if band_output is not None:
             search = TractionBandSearch(
                 balances.of_structure(), response.harmonics, resonances, window_omega, band_output, newton, settings,

@@ -86,6 +86,7 @@ def forced_curve(
         continuation=continuation,
         traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
         traction_starts=analysis.traction_starts,
+        outputs=np.array(list(model.outputs.values())),
         checks=checks,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),

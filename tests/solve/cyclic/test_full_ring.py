@@ -107,7 +107,11 @@ def test_the_ring_with_friction_and_separation_moves_as_the_sector() -> None:
     options: dict[str, Any] = {"frequency_hz": (88.0, 82.0), "harmonics": 3, "samples": 96}
     tip = np.zeros(DISK.sector.size)
     tip[3] = 1.0
-    of_sector = forced_response(DISK.sector, DISK.pairs, wave, **options)
+    of_both = np.eye(2 * tip.size)[[3, tip.size + 3]]  # this sector and the next one
+    of_sector = forced_response(DISK.sector, DISK.pairs, wave, outputs=of_both, **options)
+    assert str(of_sector.settings["maxima_between_points"]).startswith(
+        "outputs: 2; points added between points of the curve: 0;"
+    )
     of_ring = forced_response(ring.superelement, ring.joint(DISK.pairs), ring.excitation(wave), checks=False, **options)
     assert of_ring.converged
     amplitudes = [of_ring.amplitude(ring.row(tip, sector)).max() for sector in range(SECTORS)]

@@ -187,10 +187,9 @@ class HarmonicsByAccuracy:
         self.curve = VaryingCurve(balance_of, first, work)
         self.newton = Newton[VaryingPoint](self.curve, settings, on_iteration)
 
-    @property
-    def widest(self) -> Balance:
-        """The balance with most harmonics of all points."""
-        return self.curve.with_harmonics(self.curve.widest).balance
+    def widest(self, points: Sequence[VaryingPoint]) -> Balance:
+        """The balance with most harmonics of some points; a point with more may have been removed from the curve."""
+        return self.curve.with_harmonics(max(each.harmonics for each in points)).balance
 
     def follow(
         self,
@@ -214,8 +213,17 @@ class HarmonicsByAccuracy:
         work = self.curve.work
         branch = Branch(self.newton, first.point, stop, settings, listen, landmarks, revise=self.revised, work=work)
         self._complete(branch.follow())
-        self.curve.use(self.curve.widest)
+        self.end()
         return branch
+
+    def begin(self, point: VaryingPoint) -> None:
+        """A new point, beside a known one, has its harmonics at first, and an estimate of its own."""
+        self._use(point.harmonics)
+        self._skip = 0
+
+    def end(self) -> None:
+        """Points that follow have the most harmonics of all points."""
+        self.curve.use(self.curve.widest)
 
     def reached(self, points: Sequence[VaryingPoint]) -> CurveAccuracy:
         """Harmonics and errors of points that :meth:`follow` found."""
@@ -255,8 +263,7 @@ class HarmonicsByAccuracy:
             if index != top and point.neglected is None and beside is not None:
                 points[index] = replace(each, point=replace(point, neglected=beside))
             elif index == top or point.neglected is None:
-                self._use(point.harmonics)
-                self._skip = 0
+                self.begin(point)
                 sides = (points[min(max(i, 0), last)].point for i in (index - 1, index + 1))
                 revision = self.revised(point, chord_between(*sides))
                 points[index] = replace(each, point=revision.point)

@@ -108,8 +108,8 @@ class Branch(Generic[PointT]):
 
     def follow(self) -> list[BranchPoint[PointT]]:
         """Follow to the stop, or as far as possible; returns the points of the branch."""
-        self._accept(BranchPoint(self._start, 0))
         tangent = self._corrector.first_tangent(self._start, self._direction, self._settings.first_step)
+        self._accept(BranchPoint(self._start, 0, tangent))
         if tangent is None:
             self.message = (
                 f"The equations are singular at the start, {self._name_of(self._start)}: no direction of the curve is "
@@ -217,12 +217,12 @@ class Branch(Generic[PointT]):
 
     def _accept_revised(self, correction: Correction[PointT], tangent: Tangent) -> Tangent | None:
         """Accept a new point, or the one in its place; the tangent there if that moved."""
-        revision = self._revise(correction.point, tangent)
-        self._accept(BranchPoint(revision.point, correction.iterations))
-        if revision.system is None:
-            return None
-        direction = self._corrector.direction_of(revision.point, revision.system, 1.0)
-        return self._corrector.measure(revision.point).unit(direction)
+        revision, moved = self._revise(correction.point, tangent), None
+        if revision.system is not None:
+            direction = self._corrector.direction_of(revision.point, revision.system, 1.0)
+            moved = self._corrector.measure(revision.point).unit(direction)
+        self._accept(BranchPoint(revision.point, correction.iterations, moved or tangent))
+        return moved
 
     def _is_closed_by(self, came_back: CameBack) -> bool:
         """Whether the branch, which may pass its start, came back to it in the same direction."""

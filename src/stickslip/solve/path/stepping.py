@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Generic
 
+from stickslip.solve.path.arc_length import Tangent
 from stickslip.solve.path.problem import Linearised, PointT
 from stickslip.solve.path.work import Work
 
@@ -51,10 +52,14 @@ class ContinuationSettings:
 
 @dataclass(frozen=True)
 class BranchPoint(Generic[PointT]):
-    """A converged point and the Newton iterations that it took."""
+    """A converged point, the Newton iterations that it took, and the unit tangent of the branch there.
+
+    Only a point at an end of a branch may have no tangent.
+    """
 
     point: PointT
     iterations: int
+    tangent: Tangent | None = None
 
 
 @dataclass(frozen=True)
