@@ -23,6 +23,7 @@ from stickslip.solve.cyclic.amplification import amplification_factors
 from stickslip.study.check import check
 from stickslip.study.solution import Solution, solve_case
 from stickslip.sweeps.plan import case_hashes
+from stickslip.sweeps.run import sweep
 
 SECTORS = 20
 RANDOM = {"standard_deviation": "1 %", "patterns": 120, "seed": 3}
@@ -67,6 +68,7 @@ def test_the_factors_are_those_of_the_function(random_patterns: Solution) -> Non
         )  # fmt: skip
         np.testing.assert_array_equal(factors, expected.blade_factor)
     assert result.stuck_factor is not None
+    assert result.factor is not None
     assert result.stuck_factor.max() == result.factor == result.stuck_factor[result.shown].max()
     assert 1.05 < result.factor < result.whitehead_limit
     np.testing.assert_allclose(result.deviation.std(), 0.01, rtol=0.05)
@@ -108,6 +110,30 @@ def test_a_limit_without_resonance_in_the_range_is_left_out() -> None:
     result = result_of(solve_case(Case.from_mapping(content)))
     assert list(result.limits) == ["contacts stuck"]
     assert any("no contact" in warning for warning in result.warnings)
+
+
+@pytest.mark.long
+def test_the_disk_with_friction_and_its_column_in_a_sweep(tmp_path: Path) -> None:
+    content = data(standard_deviation="1 %", patterns=1, friction_curve=True)
+    content["solver"] |= {"frequency_start": "585 Hz", "frequency_stop": "603 Hz"}
+    swept = sweep(Case.from_mapping(content), {"mistuning.seed": [3, 4]}, out=tmp_path, workers=1)
+    factors = swept.table.column("amplification_factor")
+    assert not swept.table.failed
+    assert len(set(factors)) == 2
+    for factor, file in zip(factors, swept.case_files, strict=True):
+        assert file is not None
+        saved = load_results(file)
+        result = saved.response.mistuning
+        assert result is not None
+        assert result.friction_factor is not None
+        assert result.ring_amplitude is not None
+        assert factor == result.friction_factor.max() == result.factor
+        assert 1.0 < factor < result.whitehead_limit
+        assert saved.study is not None
+        assert "blade that moves most" in page(saved.response, saved.study)
+        assert [each.name for each in result.tables("mistuning")][-1] == "mistuned_curve"
+    again = sweep(Case.from_mapping(content), {"mistuning.seed": [3, 4]}, out=tmp_path, workers=1)
+    assert again.reused == 2
 
 
 def test_check_says_what_a_run_does() -> None:

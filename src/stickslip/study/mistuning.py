@@ -1,4 +1,4 @@
-"""Mistuning of a study of a sector: amplification factors of the linear disk over patterns."""
+"""Mistuning of a study of a sector: amplification factors of the linear disk over patterns, and with friction."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.case.case import Case, CyclicCase
-from stickslip.core.errors import InputError
+from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
 from stickslip.model.kinds.mistuning import deviations, mistuning_words
@@ -15,16 +15,25 @@ from stickslip.model.model import ReducedModel
 from stickslip.results.mistuning import LIMITS, Mistuning
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.cyclic.amplification import Amplification, unreported_factors
+from stickslip.solve.cyclic.mistuned_response import unreported_mistuned
+from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 
 
-def with_mistuning(case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress) -> ForcedResponse:
+def with_mistuning(
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int | None
+) -> ForcedResponse:
     """The response with the amplification factors of its [mistuning], if it has any. Raises InputError."""
     if not isinstance(case, CyclicCase) or case.mistuning is None:
         return response
-    return replace(response, mistuning=_mistuning(case, model, response, progress))
+    result = _linear(case, model, response, progress)
+    if case.mistuning.friction_curve:
+        result = _with_friction(case, model, result, response.harmonics, progress, threads)
+    return replace(response, mistuning=result)
 
 
-def _mistuning(case: CyclicCase, model: ReducedModel, response: ForcedResponse, progress: Progress) -> Mistuning:
+def _linear(case: CyclicCase, model: ReducedModel, response: ForcedResponse, progress: Progress) -> Mistuning:
+    """The factors of both linear limits over all patterns."""
     section, sector, blade = case.mistuning, model.substructure.require_sector(), model.reduced.blade
     assert section is not None
     assert blade is not None  # the layout of a case with mistuning has its nodes
@@ -52,6 +61,46 @@ def _mistuning(case: CyclicCase, model: ReducedModel, response: ForcedResponse, 
         message=f"{mistuning_words(section)}.",
         warnings=tuple(warnings),
         **found,
+    )
+
+
+def _with_friction(
+    case: CyclicCase, model: ReducedModel, linear: Mistuning, harmonics: int, progress: Progress, threads: int | None
+) -> Mistuning:
+    """The curve of all sectors with friction for the shown pattern, over the range of [solver], beside the factors."""
+    settings, ratio, blade = case.solver, case.damping.modal_damping_ratio, model.reduced.blade
+    assert ratio is not None
+    assert blade is not None
+    try:
+        curve = unreported_mistuned(
+            model.substructure.require_sector(),
+            blade,
+            linear.deviation[linear.shown],
+            model.pairs.with_update(settings.update),
+            model.excitation,
+            next(iter(model.outputs.values())),
+            frequency_hz=(settings.frequency_start, settings.frequency_stop),
+            modal_damping_ratio=ratio,
+            harmonics=harmonics,
+            samples=settings.samples,
+            newton=NewtonSettings(tolerance=settings.tolerance),
+            continuation=ContinuationSettings(
+                largest_step=settings.largest_step,
+                smallest_step=settings.smallest_step,
+                first_step=settings.first_step,
+            ),
+            threads=threads,
+            progress=lambda fraction, detail: progress.update("Mistuned disk", fraction, detail),
+        )
+    except ConvergenceError as error:  # the factors of the linear disk are a result without it
+        words = f"The mistuned disk with friction was not solved: {error}"
+        return replace(linear, warnings=(*linear.warnings, words))
+    return replace(
+        linear,
+        ring_hz=curve.frequency_hz,
+        ring_amplitude=curve.amplitude,
+        converged=curve.converged,
+        message=f"{linear.message} With friction: {curve.message}",
     )
 
 
