@@ -21,6 +21,7 @@ from stickslip.results.mistuning import Mistuning
 from stickslip.results.storage import load_results, save_results
 from stickslip.solve.cyclic.amplification import amplification_factors
 from stickslip.study.check import check
+from stickslip.study.mistuning import is_highest_at_end
 from stickslip.study.solution import Solution, solve_case
 from stickslip.sweeps.plan import case_hashes
 from stickslip.sweeps.run import sweep
@@ -134,6 +135,13 @@ def test_the_disk_with_friction_and_its_column_in_a_sweep(tmp_path: Path) -> Non
         assert [each.name for each in result.tables("mistuning")][-1] == "mistuned_curve"
     again = sweep(Case.from_mapping(content), {"mistuning.seed": [3, 4]}, out=tmp_path, workers=1)
     assert again.reused == 2
+
+
+def test_a_highest_amplitude_at_an_end_is_seen() -> None:
+    inside = np.array([[1.0, 2.0], [1.0, 3.0], [2.0, 1.0]])
+    assert not is_highest_at_end(inside)
+    assert is_highest_at_end(inside[1:])
+    assert is_highest_at_end(inside[:2])
 
 
 def test_check_says_what_a_run_does() -> None:

@@ -29,6 +29,15 @@ def with_mistuning(
     result = _linear(case, model, response, progress)
     if case.mistuning.friction_curve:
         result = _with_friction(case, model, result, response.harmonics, progress, threads)
+        tuned = response.amplitude(next(iter(model.outputs.values())))
+        disks = {"mistuned": result.ring_amplitude, "tuned": tuned[:, None]}
+        ends = [name for name, each in disks.items() if each is not None and is_highest_at_end(each)]
+        if ends:
+            words = (
+                f"With friction, the {' and the '.join(ends)} disk move most at an end of the frequency range, so a "
+                "higher amplitude may be outside: widen the range of [solver]."
+            )
+            result = replace(result, warnings=(*result.warnings, words))
     return replace(response, mistuning=result)
 
 
@@ -102,6 +111,11 @@ def _with_friction(
         converged=curve.converged,
         message=f"{linear.message} With friction: {curve.message}",
     )
+
+
+def is_highest_at_end(amplitude: FloatArray) -> bool:
+    """Whether the highest amplitude (n_points, N) of all is at the first or the last point."""
+    return int(amplitude.max(axis=1).argmax()) in (0, len(amplitude) - 1)
 
 
 def _factors(
