@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import gc
 import os
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -114,6 +115,28 @@ def registered_names() -> Iterator[None]:
     for registry, makers in zip(registries, before, strict=True):
         registry._makers.clear()
         registry._makers.update(makers)
+
+
+@pytest.fixture(autouse=True)
+def no_stand_in_remains() -> Iterator[None]:
+    """A test fails if the package holds an object of a test after it.
+
+    A module that is first imported while a test replaces a function of another one keeps the stand-in under the name
+    that it imports, and every later test of the process runs with it.
+    """
+    before = set(sys.modules)
+    yield
+    new = sorted(name for name in sys.modules.keys() - before if name.partition(".")[0] == "stickslip")
+    if not new:
+        return
+    of_tests = {name for name, module in sys.modules.items() if str(TESTS) in str(getattr(module, "__file__", ""))}
+    held = [
+        f"{name}.{attribute} is of {value.__module__}"
+        for name in new
+        for attribute, value in vars(sys.modules[name]).items()
+        if getattr(value, "__module__", None) in of_tests
+    ]
+    assert not held, f"import these modules before the test replaces a part of the package: {held}"
 
 
 @pytest.fixture(scope="session")

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.solve.excitation import Direction
-from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.structure.cyclic_sector import CyclicSector, Direction
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.superelement import Superelement
 
@@ -34,10 +33,11 @@ class SmallDisk:
     operator: np.ndarray
     force_cos: np.ndarray
     force_sin: np.ndarray
+    gyroscopic: np.ndarray | None = None
 
     @classmethod
-    def of(cls, sectors: int, damped: bool = True) -> SmallDisk:
-        """The disk; without a damping matrix unless it is ``damped``."""
+    def of(cls, sectors: int, damped: bool = True, whirls: bool = False) -> SmallDisk:
+        """The disk; without a damping matrix unless it is ``damped``, and with Coriolis forces if it ``whirls``."""
         random = np.random.default_rng(3)
 
         def spring(size: float) -> np.ndarray:
@@ -61,14 +61,18 @@ class SmallDisk:
         force = np.zeros((2, OWN, 2))
         force[:, node(BLADE), 0] = [[20.0, 5.0, -8.0], [3.0, 12.0, 5.0]]
         force[:, :, 1] = random.standard_normal((2, OWN))
-        return cls(sectors, mass, stiffness, damping if damped else None, operator, force[0], force[1])
+        whirl = random.standard_normal((12, 12))
+        whirl[node(NEXT_DISK)] *= 0.5  # the next sector has its own part of the forces on its disk
+        gyroscopic = 30.0 * (whirl - whirl.T) if whirls else None
+        return cls(sectors, mass, stiffness, damping if damped else None, operator, force[0], force[1], gyroscopic)
 
     @property
     def sector(self) -> CyclicSector:
         """One sector for all nodal diameters."""
         return CyclicSector.of_matrices(
-            self.mass, self.stiffness, self.damping, left=np.arange(3), right=np.arange(9, 12), sectors=self.sectors
-        )
+            self.mass, self.stiffness, self.damping, self.gyroscopic,
+            left=np.arange(3), right=np.arange(9, 12), sectors=self.sectors,
+        )  # fmt: skip
 
     @property
     def pairs(self) -> ContactPairs:
@@ -94,8 +98,10 @@ class SmallDisk:
     @property
     def ring(self) -> Superelement:
         """All sectors, each with its own unknowns."""
-        damping = None if self.damping is None else self._of_ring(self.damping)
-        return Superelement(self._of_ring(self.mass), self._of_ring(self.stiffness), damping)
+        damping, gyroscopic = (
+            None if matrix is None else self._of_ring(matrix) for matrix in (self.damping, self.gyroscopic)
+        )
+        return Superelement(self._of_ring(self.mass), self._of_ring(self.stiffness), damping, gyroscopic=gyroscopic)
 
     @property
     def ring_pairs(self) -> ContactPairs:

@@ -10,6 +10,7 @@ import shlex
 import shutil
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 import typer
@@ -112,8 +113,9 @@ def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: py
 @pytest.mark.slow
 def test_the_page_on_rotation_runs(capsys: pytest.CaptureFixture[str]) -> None:
     page = (ROOT / "docs" / "theory_rotation.md").read_text(encoding="utf-8")
-    (block,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
-    exec(compile(block, "theory_rotation.md", "exec"), {})
+    names: dict[str, Any] = {}
+    for block in re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL):
+        exec(compile(block, "theory_rotation.md", "exec"), names)
     printed = capsys.readouterr().out
     # A crossing of order k is at k W / 60 in Hz.
     at = float(re.search(r"mode 1 meets engine order 4 at (\d+) rpm", printed).group(1))

@@ -65,6 +65,8 @@ from .model.model import build_model as build_model
 from .model.parameters import case_parameters as case_parameters
 from .results.campbell import Campbell as Campbell
 from .results.campbell import Crossing as Crossing
+from .results.disk_campbell import DiskCampbell as DiskCampbell
+from .results.disk_campbell import DiskCrossing as DiskCrossing
 from .results.nonlinear_mode import NonlinearMode as NonlinearMode
 from .results.other_solutions import OtherSolutions as OtherSolutions
 from .results.pair_measures import PairMeasures as PairMeasures
@@ -77,6 +79,7 @@ from .results.stiffness_band import StiffnessBand as StiffnessBand
 from .results.traction_band import TractionBand as TractionBand
 from .results.wear import Wear as Wear
 from .solve.campbell import campbell_diagram as campbell_diagram
+from .solve.campbell import disk_campbell_diagram as disk_campbell_diagram
 from .solve.controlled import controlled_response as controlled_response
 from .solve.cyclic.amplification import Amplification as Amplification
 from .solve.cyclic.amplification import amplification_factors as amplification_factors
@@ -132,6 +135,7 @@ from .structure.stress import nodal_stress as nodal_stress
 from .structure.stress_cycle import StressCycle as StressCycle
 from .structure.stress_cycle import stress_cycle as stress_cycle
 from .structure.superelement import Superelement as Superelement
+from .structure.tied_boundaries import tied_symmetry as tied_symmetry
 from .study.compare import compare as compare
 from .study.export import export_contact as export_contact
 from .study.export import export_tables as export_tables

@@ -12,7 +12,6 @@ import scipy.linalg
 import scipy.sparse
 
 import stickslip as ss
-from model_writers import write_inp
 from own_cases import mesh_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
@@ -35,40 +34,9 @@ from stickslip.structure.sector_structure import SectorStructure
 from stickslip.study.check import check
 from stickslip.study.solution import solve_case
 from stickslip.sweeps.plan import case_hashes
-from structure_fixtures import brick_block
+from turning_cases import TURN, beam_case, disk_case
 
 STEEL = ss.Material(210e9, 0.3, 7850.0)
-TURN: dict[str, Any] = {"axis": [0, 0, 1], "point": ["-100 mm", "5 mm", "4 mm"]}
-
-
-def beam_case(folder: Path, **rotation: Any) -> Case:
-    """A cantilever of 300 x 20 x 10 mm, which turns at its clamped end, with a pad on the ground below its tip."""
-    block: Any = brick_block((20, 1, 1), (0.3, 0.02, 0.01))
-    below = block.points[:, 2] < 1e-9
-    sets = {
-        "root": np.flatnonzero(block.points[:, 0] < 1e-9),
-        "pad": np.flatnonzero(below & (block.points[:, 0] > 0.28)),
-        "tip": np.flatnonzero(block.points[:, 0] > 0.2999)[:1],
-    }
-    mesh = Mesh(block.points, block.cells, node_sets=sets)
-    write_inp(folder / "beam.inp", mesh, ["beam"], ["pad"], "root")
-    return Case.from_mapping(
-        {
-            "structure": {"kind": "mesh", "file": str(folder / "beam.inp"), "length_unit": "mm"},
-            "interfaces": {
-                "pad": {
-                    "first": "pad", "second": "ground", "normal_load": "10 N",
-                    "normal_stiffness": "1e6 N/m", "tangential_stiffness": "1e6 N/m",
-                }
-            },
-            "forces": {"shaker": {"set": "tip", "direction": [0, 0, 1], "amplitude": "1 N"}},
-            "responses": {"tip": {"set": "tip", "direction": [0, 0, 1]}},
-            "damping": {"modal_damping_ratio": 0.001},
-            "solver": {"frequency_start": "50 Hz", "frequency_stop": "200 Hz"},
-            "reduction": {"modes": 10},
-            **({"rotation": {**TURN, **rotation}} if rotation else {}),
-        }
-    )  # fmt: skip
 
 
 def free_hz(model: ReducedModel, count: int) -> Any:
@@ -181,13 +149,6 @@ def test_a_damper_and_its_blades_have_one_speed() -> None:
     assert not any("normal loads" in words for words in same)  # the load is that of the speed
 
 
-def disk_case(**rotation: Any) -> Case:
-    content = copy.deepcopy(EXAMPLES["bladed-disk"])
-    content["structure"] = {"kind": "cyclic", "contact_columns": 2, "contact_rows": 1, "sectors": 20}
-    content["reduction"] = {"modes": 8}
-    return Case.from_mapping({**content, **({"rotation": rotation} if rotation else {})})
-
-
 def test_a_disk_of_a_study_has_the_frequencies_of_the_rotating_sector() -> None:
     case = disk_case(speed="9000 rpm")
     model, rest = build_model(case), build_model(disk_case())
@@ -275,6 +236,12 @@ def test_the_reduction_of_a_sector_is_read_from_the_disk(tmp_path: Path, monkeyp
             assert own.dtype == getattr(matrices, name).dtype
     build_model(disk_case(speed="3001 rpm"))
     assert len(list(tmp_path.glob("sector-*.npz"))) == 2
+    first, second = (
+        build_model(disk_case(speed="3001 rpm", coriolis=True)).substructure.require_sector() for _ in range(2)
+    )
+    assert len(list(tmp_path.glob("sector-*.npz"))) == 3
+    for diameter, matrices in first.diameters.items():
+        np.testing.assert_array_equal(second.diameters[diameter].gyroscopic, matrices.gyroscopic)
 
 
 REJECTED: list[tuple[dict[str, Any], str]] = [
@@ -290,9 +257,9 @@ def test_keys_that_two_blades_do_not_have(sections: dict[str, Any], key: str) ->
         Case.from_mapping({**copy.deepcopy(EXAMPLES["two-blade"]), **sections})
 
 
-@pytest.mark.parametrize("key", ["axis", "point", "coriolis", "top_speed"])
+@pytest.mark.parametrize("key", ["axis", "point", "top_speed"])
 def test_keys_that_a_sector_does_not_have(key: str) -> None:
-    value = {"axis": [0, 0, 1], "point": ["1 mm", "0 mm", "0 mm"], "coriolis": True, "top_speed": "4000 rpm"}[key]
+    value = {"axis": [0, 0, 1], "point": ["1 mm", "0 mm", "0 mm"], "top_speed": "4000 rpm"}[key]
     with rejects(StudyFileError, f"rotation.{key}"):
         disk_case(speed="3000 rpm", **{key: value})
 
@@ -400,3 +367,30 @@ def test_the_gradient_of_a_peak_by_the_speed_is_that_of_two_more_runs(tmp_path: 
         (gradients.by_amplitude, peaks[1].amplitude - peaks[0].amplitude),
     ):
         assert 120.0 * of_peak[place] == pytest.approx(expected, rel=2e-3)
+
+
+def test_coriolis_forces_of_a_disk_are_those_of_the_rotating_sector() -> None:
+    model = build_model(disk_case(speed="9000 rpm", coriolis=True))
+    sector = model.in_study.sector
+    assert sector is not None
+    symmetry = sector.symmetry
+    reduced = model.substructure.require_sector()
+    assert reduced.has_coriolis
+    for direction in ("forward", "backward"):
+        full = ss.sector_frequencies(
+            sector.structure,
+            symmetry,
+            (1, 4),
+            8,
+            gyroscopic=sector.gyroscopic,
+            direction=direction,
+        )
+        for diameter, expected in full.items():
+            found = reduced.natural_frequencies(diameter, 8, direction)
+            np.testing.assert_allclose(found[6:], expected[6:], rtol=5e-3)
+    backward, forward = (reduced.natural_frequencies(1, 8, way)[6] for way in ("backward", "forward"))
+    assert backward > 1.003 * forward
+    case = disk_case(speed="9000 rpm", coriolis=True)
+    assert not any("Coriolis" in words for words in kind_of(case).warnings(case))
+    still = disk_case(speed="9000 rpm")
+    assert any("rotation.coriolis = true" in words for words in kind_of(still).warnings(still))

@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, cast, get_args
+from typing import Any, Self, cast, get_args
 
 from pydantic import (
-    BaseModel,
     ConfigDict,
     Field,
     ModelWrapValidatorHandler,
@@ -42,7 +41,7 @@ from stickslip.case.damper_rules import damper_errors, with_two_blade_defaults
 from stickslip.case.dotted_keys import parts_of_key, with_values
 from stickslip.case.explained import explained
 from stickslip.case.interface_sections import InterfaceSection, MatrixInterface, MeshInterfaceSection
-from stickslip.case.law_keys import StiffnessLawKeys, StiffnessLawSection, table_file
+from stickslip.case.law_keys import FaceStiffness, StiffnessLawKeys, table_file
 from stickslip.case.own_sections import (
     BaseMotion,
     BodyName,
@@ -64,10 +63,10 @@ from stickslip.case.own_sections import (
     TieSection,
     UnbalanceSection,
 )
-from stickslip.case.plain import with_absolute_files
+from stickslip.case.plain import titled_by_its_file, with_absolute_files
 from stickslip.case.pressed_interfaces import PressedInterfaces
 from stickslip.case.reference import ReferenceSection
-from stickslip.case.section import chosen_by, instead_of, without_default
+from stickslip.case.section import instead_of, without_default
 from stickslip.case.sections import (
     ContactStiffnessSection,
     DampingSection,
@@ -80,6 +79,7 @@ from stickslip.case.sections import (
     StructureSection,
     StudySection,
 )
+from stickslip.case.structure_kind import CaseOfSomeKind, Kind, kind_in
 from stickslip.case.two_blade_sections import (
     Damper,
     DamperFrictionSection,
@@ -91,16 +91,6 @@ from stickslip.case.two_blade_sections import (
     WedgePreloadSection,
     WedgeSection,
 )
-
-Kind = Literal["two-blade", "mesh", "matrices", "cyclic"]
-FaceStiffness = Annotated[
-    ContactStiffnessSection | StiffnessLawSection,
-    chosen_by(
-        lambda data: (
-            StiffnessLawSection if isinstance(data, Mapping) and "stiffness_law" in data else ContactStiffnessSection
-        )
-    ),
-]
 
 
 class Case(CaseContent):
@@ -128,7 +118,7 @@ class Case(CaseContent):
 
     def __new__(cls, **sections: Any) -> Self:
         """A case of the class for its kind of structure."""
-        kind = _kind_in(sections)
+        kind = kind_in(sections)
         chosen = KINDS[kind] if cls is Case and kind in get_args(Kind) else cls
         return cast(Self, super().__new__(chosen))
 
@@ -268,13 +258,7 @@ class OwnCase(PressedInterfaces, Case):
     @model_validator(mode="before")
     @classmethod
     def _titled_by_its_file(cls, data: Any) -> Any:
-        study = data.get("study", {}) if isinstance(data, Mapping) else None
-        if not isinstance(study, Mapping) or "title" in study or not isinstance(data.get("structure"), Mapping):
-            return data
-        file = data["structure"].get("file") or data["structure"].get("stiffness")
-        if file is None:
-            file = "bladed disk" if data["structure"].get("kind") == "cyclic" else "own matrices"
-        return {**data, "study": {**study, "title": f"Vibration of {Path(str(file)).stem}"}}
+        return titled_by_its_file(data)
 
     @property
     def places(self) -> dict[str, PlaceSection]:
@@ -364,7 +348,7 @@ class CyclicCase(SolidCase):
         yield from frd_errors(self.output, "a sector of a disk")
         yield from sector_errors(self.analysis, self.preload, self.damping, self.static_loads, self.unbalance)
         if self.mistuning is not None:
-            yield from mistuning_errors(self.damping, self.forces)
+            yield from mistuning_errors(self.damping, self.forces, self.rotation is not None and self.rotation.coriolis)
         yield from self._own_misfits((), {"forces": self.forces}, has_areas=True)
 
 
@@ -394,25 +378,7 @@ KINDS: dict[str, type[Case]] = {
 }
 
 
-class _StructureOfSomeKind(BaseModel):
-    kind: Kind
-
-
-class _CaseOfSomeKind(BaseModel):
-    """The errors of a file with an unknown kind, whose other content cannot be checked."""
-
-    structure: _StructureOfSomeKind
-
-
-def _kind_in(data: Any) -> Any:
-    """The kind of structure in the mappings of a study file."""
-    structure = data.get("structure") if isinstance(data, Mapping) else None
-    if isinstance(structure, StructureSection):
-        return structure.kind
-    return structure.get("kind", "two-blade") if isinstance(structure, Mapping) else "two-blade"
-
-
 def _class_of(data: Any) -> Any:
     """The class of the kind of structure in the mappings of a study file; TwoBladeCase where there is none."""
-    kind = _kind_in(data)
-    return KINDS[kind] if kind in get_args(Kind) else _CaseOfSomeKind
+    kind = kind_in(data)
+    return KINDS[kind] if kind in get_args(Kind) else CaseOfSomeKind

@@ -50,6 +50,10 @@ class SectorMeshSection(MeshFileSection):
     right: Annotated[str, Required(_BOUNDARY)] = Field(
         description="that of the other one, where the next sector begins", examples=["right"]
     )
+    tied: bool = Field(
+        default=False,
+        description="the boundaries need not match node by node: nodes of the right one follow sides of the left one",
+    )
     sectors: Sectors | None = Field(
         default=None, description="number of sectors; default: from the boundaries", examples=[24]
     )
@@ -72,8 +76,8 @@ class BladedDiskSection(StructureSection):
     foreign: ClassVar[Mapping[str, str]] = {
         **_MATRICES,
         **dict.fromkeys(
-            ("length_unit", "unit_system", "includes_outside", "fixed", "element", "left", "right", "axis",
-             "axis_point", "temperature"),
+            ("length_unit", "unit_system", "includes_outside", "fixed", "element", "left", "right", "tied",
+             "axis", "axis_point", "temperature"),
             "belongs to a sector from a mesh file. Give structure.file, or remove the key.",
         ),
     }  # fmt: skip

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
@@ -13,7 +14,8 @@ from stickslip.case.law_constants import (
     read_constants,
     stiffness_law_declaration,
 )
-from stickslip.case.section import Section
+from stickslip.case.section import Section, chosen_by
+from stickslip.case.sections import ContactStiffnessSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES, Declaration
 from stickslip.core.errors import InputError
 
@@ -141,6 +143,16 @@ class StiffnessLawSection(StiffnessLawKeys):
     """Stiffness of the contact faces by a law over their pressure, instead of [roughness]."""
 
     foreign: ClassVar[dict[str, str]] = dict.fromkeys(STIFFNESSES, "and stiffness_law are both given. Remove one.")
+
+
+FaceStiffness = Annotated[
+    ContactStiffnessSection | StiffnessLawSection,
+    chosen_by(
+        lambda data: (
+            StiffnessLawSection if isinstance(data, Mapping) and "stiffness_law" in data else ContactStiffnessSection
+        )
+    ),
+]
 
 
 def table_file(name: str, section: Any) -> dict[str, str]:

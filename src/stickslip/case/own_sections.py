@@ -336,11 +336,13 @@ class SectorRotationSection(Section):
 
     foreign: ClassVar[Mapping[str, str]] = {
         **dict.fromkeys(("axis", "point"), "is that of the disk, from its boundaries. Remove it."),
-        "coriolis": "belongs to a mesh of the full ring: a sector has no Coriolis forces. Remove it.",
         "top_speed": "belongs to two blades and to a mesh: a sector is reduced at each speed. Remove it.",
     }
 
     speed: RotationSpeed = Field(description="revolutions per minute or rad/s", examples=["3000 rpm"])
+    coriolis: bool = Field(
+        default=False, description="with Coriolis forces: forward and backward waves have other frequencies"
+    )
 
 
 class RotationSection(Section):

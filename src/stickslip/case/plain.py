@@ -1,7 +1,8 @@
-"""A study as plain mappings: sections with the values of a file, and absolute names of files."""
+"""A study as plain mappings: sections with the values of a file, absolute names of files, and its title."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -74,3 +75,14 @@ def _with_files_in(folder: Path, section: Any) -> Any:
     if isinstance(table, dict) and isinstance(table.get(TABLE_FILE), str):
         section = {**section, "stiffness_constants": {**table, TABLE_FILE: str(folder / table[TABLE_FILE])}}
     return section
+
+
+def titled_by_its_file(data: Any) -> Any:
+    """``data`` of a study of the user's own, with a title from the file of its structure if it has none."""
+    study = data.get("study", {}) if isinstance(data, Mapping) else None
+    if not isinstance(study, Mapping) or "title" in study or not isinstance(data.get("structure"), Mapping):
+        return data
+    file = data["structure"].get("file") or data["structure"].get("stiffness")
+    if file is None:
+        file = "bladed disk" if data["structure"].get("kind") == "cyclic" else "own matrices"
+    return {**data, "study": {**study, "title": f"Vibration of {Path(str(file)).stem}"}}

@@ -30,6 +30,8 @@ _WITHOUT_CORIOLIS = (
     "those of stiff blades little"
 )
 
+ADD_CORIOLIS = "; rotation.coriolis = true adds them"
+
 
 @dataclass(frozen=True)
 class Rotation:
@@ -99,9 +101,9 @@ def free_body_messages(mesh: Mesh, fixed: IntArray, constraints: Constraints | N
         bodies = np.unique(mesh.body[np.concatenate(cells)])
         names = ", ".join(mesh.body_names[body] for body in bodies)
         yield (
-            f"[rotation]: contact alone supports a part of {names}, which keeps its stiffness at rest and does not "
-            "stress other bodies. For a light damper that is a small error, for a blade in a slot of its disk a large "
-            "one: connect such a blade by common nodes, or in a mesh by [ties.NAME]."
+            f"[rotation]: contact alone supports a part of {names}, which keeps its stiffness at rest, has no Coriolis "
+            "forces and does not stress other bodies. For a light damper that is a small error, for a blade in a slot "
+            "of its disk a large one: connect such a blade by common nodes, or in a mesh by [ties.NAME]."
         )
 
 
@@ -129,8 +131,10 @@ def rotating_bodies(
     return RotatingBodies(rotation.at_its_speed(rotor), whirl, rotor, rotation.coriolis, rotation.speed_rpm, top_rpm)
 
 
-def rotating_sector(sector: SectorStructure, speed: float) -> SectorStructure:
+def rotating_sector(sector: SectorStructure, speed: float, coriolis: bool) -> SectorStructure:
     """One sector of a disk at a speed in rad/s. Raises InputError for a speed that is too high."""
     symmetry = sector.symmetry
     rotation = Rotation(speed, symmetry.direction, symmetry.point)
-    return replace(sector, structure=rotation.at_its_speed(rotation.of(sector.structure, symmetry)))
+    rotor = rotation.of(sector.structure, symmetry)
+    whirl = rotor.coriolis_at(rotation.speed_rpm) if coriolis else None
+    return replace(sector, structure=rotation.at_its_speed(rotor), gyroscopic=whirl)

@@ -31,10 +31,10 @@ def _peak_hz(view: View) -> float:
 
 def _families(disk: Disk) -> Iterator[dict[str, Any]]:
     """Lines of one number from below; the names are in the legend once."""
-    for name, table, colour, dash in (
-        ("contacts stuck", disk.stuck_hz, BLUE, "solid"),
-        ("no contact", disk.free_hz, ORANGE, "dot"),
-    ):
+    families = [("contacts stuck", disk.stuck_hz, BLUE, "solid"), ("no contact", disk.free_hz, ORANGE, "dot")]
+    if disk.opposite_hz is not None:
+        families.append(("stuck, waves against the excitation", disk.opposite_hz, BLUE, "dash"))
+    for name, table, colour, dash in families:
         for number, row in enumerate(table.T):
             trace = line_trace(
                 name, disk.diameters, row, colour, dash, 1.2, mode="lines+markers",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -13,6 +13,23 @@ from stickslip.core.validation import FloatArray
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+class Mark(Protocol):
+    """A crossing with an engine order."""
+
+    @property
+    def order(self) -> int:
+        """Engine order."""
+
+    @property
+    def speed_rpm(self) -> float:
+        """Revolutions per minute."""
+
+    @property
+    def frequency_hz(self) -> float:
+        """Hz."""
+
 
 _ROOM = 1.08  # of the highest frequency, for the names of the engine orders
 
@@ -45,6 +62,31 @@ def campbell_plot(
     return figure
 
 
-def _modes(axes: Axes, speed_rpm: FloatArray, frequency_hz: FloatArray, colour: str, dash: str, name: str) -> None:
+def _modes(axes: Axes, speed_rpm: FloatArray, frequency_hz: FloatArray, colour: Any, dash: str, name: str) -> None:
     for mode, row in enumerate(frequency_hz.T):
         axes.plot(speed_rpm, row, dash, color=colour, label=name if mode == 0 else None)
+
+
+def disk_campbell_plot(
+    speed_rpm: FloatArray, diameters: Sequence[int], frequency_hz: FloatArray, marks: Sequence[Mark]
+) -> Figure:
+    """Frequencies (2, k, s, modes) of forward waves (solid) and backward ones (dashed) over the speed (s,), a colour
+    for each of ``diameters`` (k,), and circles with the engine order at the ``marks``."""
+    from matplotlib import colormaps
+
+    figure, axes = one_panel(7.0, 4.5)
+    colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(diameters)))
+    for place, diameter in enumerate(diameters):
+        for waves, dash in zip(frequency_hz[:, place], ("-", "--"), strict=True):
+            name = f"{diameter} nodal diameter{'' if diameter == 1 else 's'}" if dash == "-" else "_"
+            _modes(axes, speed_rpm, waves, colours[place], dash, name)
+    for mark in marks:
+        axes.plot([mark.speed_rpm], [mark.frequency_hz], "o", color=VERMILLION, fillstyle="none")
+        axes.annotate(str(mark.order), (mark.speed_rpm, mark.frequency_hz), color=INK, fontsize=8)
+    axes.set_xlim(0.0, 1.05 * float(speed_rpm[-1]))
+    axes.set_ylim(0.0, _ROOM * float(np.nanmax(frequency_hz)))
+    axes.set_xlabel("Speed of rotation, rpm")
+    axes.set_ylabel("Natural frequency in the rotating frame, Hz")
+    axes.set_title("solid: forward waves, dashed: backward; circles: engine orders that excite them", fontsize=8)
+    axes.legend(frameon=False, fontsize=8)
+    return figure

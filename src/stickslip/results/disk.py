@@ -26,7 +26,9 @@ class Disk(Labelled):
         (k,) nodal diameters, rising.
     stuck_hz, free_hz:
         (k, m) Hz, the lowest natural frequencies of each with all pairs that are closed at rest stuck, and without
-        contact, motions of free bodies omitted.
+        contact, motions of free bodies omitted; with Coriolis forces those of waves that travel as the excitation does.
+    opposite_hz:
+        (k, m) Hz, as ``stuck_hz``, of waves that travel the other way; None without Coriolis forces.
 
     Raises InputError for arrays that do not fit together, and diameters that the disk does not have.
     """
@@ -42,6 +44,17 @@ class Disk(Labelled):
     )
     free_hz: FloatArray = field(
         metadata=stored(Numbers(("nodal_diameter", "family"), "Hz", "natural frequencies without contact"))
+    )
+    opposite_hz: FloatArray | None = field(
+        default=None,
+        metadata=stored(
+            Numbers(
+                ("nodal_diameter", "family"),
+                "Hz",
+                "natural frequencies of waves against the excitation, contacts closed at rest stuck",
+                optional=True,
+            )
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -63,7 +76,9 @@ class Disk(Labelled):
                 'or above, the direction "forward" or "backward".',
                 arguments=["direction"],
             )
-        for name in ("stuck_hz", "free_hz"):
+        for name in ("stuck_hz", "free_hz", "opposite_hz"):
+            if getattr(self, name) is None:
+                continue
             values = finite_array(name, getattr(self, name))
             if values.ndim != 2 or len(values) != diameters.size or np.shape(self.stuck_hz) != values.shape:
                 raise InputError(

@@ -158,12 +158,16 @@ def _nodal_diameters(study: StudyRecord) -> Table | None:
     """None for a structure that is no disk."""
     if study.disk is None:
         return None
-    stuck, free = (
-        [column_of(f"{words} {number}", "Hz", row) for number, row in enumerate(table.T, start=1)]
-        for words, table in (("stuck", study.disk.stuck_hz), ("free", study.disk.free_hz))
-    )
+    disk = study.disk
+    tables = (("stuck", disk.stuck_hz), ("free", disk.free_hz), ("opposite", disk.opposite_hz))
+    columns = [
+        column_of(f"{words} {number}", "Hz", row)
+        for words, table in tables
+        if table is not None
+        for number, row in enumerate(table.T, start=1)
+    ]
     words = "lowest natural frequencies of each nodal diameter, pairs closed at rest stuck, and without contact"
-    return Table("nodal_diameters", words, (column_of("nodal diameter", "", study.disk.diameters), *stuck, *free))
+    return Table("nodal_diameters", words, (column_of("nodal diameter", "", disk.diameters), *columns))
 
 
 def _modes(study: StudyRecord) -> Table:

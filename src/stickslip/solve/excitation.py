@@ -23,9 +23,9 @@ from stickslip.core.validation import (
     require_choice,
     whole_number,
 )
+from stickslip.structure.cyclic_sector import Direction
 
 BaseMotion = Literal["acceleration", "displacement"]
-Direction = Literal["forward", "backward"]
 
 
 class Unknowns(Protocol):

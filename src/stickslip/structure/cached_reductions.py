@@ -46,7 +46,8 @@ def cached_sector(
 ) -> CyclicSector:
     """The sector ``reduce()`` for all nodal diameters, from the disk if it was computed before."""
     made: list[CyclicSector] = []
-    names = ("mass", "stiffness", "modes")
+    whirl = sector.gyroscopic
+    names = ("mass", "stiffness", "modes", *(() if whirl is None else ("gyroscopic",)))
 
     def compute() -> Arrays:
         made.append(reduce())
@@ -54,9 +55,12 @@ def cached_sector(
         return {f"{name}-{diameter}": getattr(each, name) for diameter, each in every for name in names}
 
     symmetry = sector.symmetry
-    axis = (symmetry.left, symmetry.right, symmetry.direction, symmetry.point)
+    axis = [symmetry.left, symmetry.right, symmetry.direction, symmetry.point]
+    if symmetry.is_tied:
+        axis += [getattr(symmetry.weights, name) for name in ("indptr", "indices", "data")]
     numbers = np.array([symmetry.sectors, n_modes])
-    arrays = cached_arrays("sector", input_digest(sector.structure, nodes, *axis, numbers), compute)
+    coriolis = () if whirl is None else (whirl.indptr, whirl.indices, whirl.data)
+    arrays = cached_arrays("sector", input_digest(sector.structure, nodes, *axis, numbers, *coriolis), compute)
     if made:
         return made[0]
     stored = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -94,13 +94,14 @@ def _reduced(
 @dataclass(frozen=True)
 class ReducedMatrices:
     """Dense matrices (n, n) of a reduction, its fixed-interface modes (n_interior, n_modes), and the factor of
-    ``K_ii``."""
+    ``K_ii``; damping and gyroscopic matrix may be None."""
 
     mass: Any
     stiffness: Any
     damping: Any
     modes: Any
     factor: Factor
+    gyroscopic: Any = None
 
 
 def reduced_matrices(
@@ -112,10 +113,12 @@ def reduced_matrices(
     backend: Backend,
     threads: int,
     report: ProgressCallback,
+    gyroscopic: Any = None,
 ) -> ReducedMatrices:
     """The reduction of sparse Hermitian matrices: stiffness, mass and damping (or None), real or complex.
 
-    ``node`` is the node of each unknown, for messages. Raises InputError, see :func:`craig_bampton`.
+    ``node`` is the node of each unknown, for messages; ``gyroscopic`` is skew-Hermitian, or None. Raises InputError,
+    see :func:`craig_bampton`.
     """
     stiffness, mass, damping = matrices
     if not 0 <= n_modes < len(interior):
@@ -154,15 +157,19 @@ def reduced_matrices(
     reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
     reduced_mass = _projected(mass, boundary, interior, transformation, threads)
     reduced_damping = None if damping is None else _projected(damping, boundary, interior, transformation, threads)
+    whirl = None if gyroscopic is None else _projected(gyroscopic, boundary, interior, transformation, threads, -1)
     modes = transformation[:, n_boundary:].copy()
-    return ReducedMatrices(reduced_mass, reduced_stiffness, reduced_damping, modes, factor)
+    return ReducedMatrices(reduced_mass, reduced_stiffness, reduced_damping, modes, factor, whirl)
 
 
-def _projected(matrix: Any, boundary: IntArray, interior: IntArray, transformation: Any, threads: int) -> Any:
-    """``T^H A T`` of a sparse Hermitian matrix, with ``T = [I 0; transformation]`` in boundary and interior rows."""
-    result = _congruence(matrix[interior][:, interior], transformation, threads)
+def _projected(
+    matrix: Any, boundary: IntArray, interior: IntArray, transformation: Any, threads: int, sign: Literal[1, -1] = 1
+) -> Any:
+    """``T^H A T`` of a sparse matrix with ``A^H = sign A``, and ``T = [I 0; transformation]`` in boundary and interior
+    rows."""
+    result = _congruence(matrix[interior][:, interior], transformation, threads, sign)
     coupling = matrix[interior][:, boundary].conj().T @ transformation
-    result[: len(boundary)] += coupling
+    result[: len(boundary)] += sign * coupling
     result[:, : len(boundary)] += coupling.conj().T
     del coupling
     _add_sparse(result, matrix[boundary][:, boundary])
@@ -175,15 +182,16 @@ def _add_sparse(dense: Any, part: Any) -> None:
     dense[entries.row, entries.col] += entries.data
 
 
-def _congruence(matrix: Any, basis: Any, threads: int) -> Any:
-    """``basis^H matrix basis`` (k, k) of a sparse Hermitian matrix, block by block and one triangle only."""
+def _congruence(matrix: Any, basis: Any, threads: int, sign: Literal[1, -1]) -> Any:
+    """``basis^H matrix basis`` (k, k) of a sparse matrix, block by block and one triangle only: its conjugate transpose
+    is ``sign`` times itself."""
     size = basis.shape[1]
     answer = np.empty((size, size), dtype=basis.dtype)
 
     def rows_from(start: int) -> None:
         stop = min(start + BLOCK, size)
-        answer[start:stop, start:] = (matrix @ basis[:, start:stop]).conj().T @ basis[:, start:]
-        answer[stop:, start:stop] = answer[start:stop, stop:].conj().T
+        answer[start:stop, start:] = sign * ((matrix @ basis[:, start:stop]).conj().T @ basis[:, start:])
+        answer[stop:, start:stop] = sign * answer[start:stop, stop:].conj().T
 
     in_threads(rows_from, range(0, size, BLOCK), threads)
     return answer

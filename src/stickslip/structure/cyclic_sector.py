@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
 
 import numpy as np
 import scipy.linalg
@@ -17,16 +17,21 @@ from stickslip.core.validation import (
     finite_array,
     positive_number,
     require_allowed,
+    require_choice,
+    skew_matrix,
     symmetric_matrix,
     whole_number,
 )
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry, IntArray
+from stickslip.structure.gyroscopic import gyroscopic_modes
 from stickslip.structure.phase_lag import LaggedModel
 from stickslip.structure.superelement import PairsOfNodes, rayleigh_damping_matrix
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# A wave reaches the next sector after this one, or before it.
+Direction = Literal["forward", "backward"]
 Matrix = NDArray[Any]  # real or complex
 # chosen: largest asymmetry, of the largest entry, that counts as round-off.
 SYMMETRIC = 1e-8
@@ -34,18 +39,24 @@ SYMMETRIC = 1e-8
 
 @dataclass(frozen=True)
 class LaggedMatrices:
-    """Dense Hermitian matrices (n, n) of a sector for one nodal diameter in SI units; real if its lag is 0 or half a
-    turn. ``damping`` may be None; ``modes`` (n_interior, n_modes) are the fixed-interface modes of a reduction."""
+    """Dense matrices (n, n) of a sector for one nodal diameter in SI units; real if its lag is 0 or half a turn.
+
+    They are Hermitian, that of Coriolis forces (``gyroscopic``, N s/m) is skew-Hermitian. ``damping`` and
+    ``gyroscopic`` may be None; ``modes`` (n_interior, n_modes) are the fixed-interface modes of a reduction.
+    """
 
     mass: Matrix
     stiffness: Matrix
     damping: Matrix | None = None
     modes: Matrix | None = None
+    gyroscopic: Matrix | None = None
 
     def conjugate(self) -> LaggedMatrices:
         """The matrices of the wave that travels in the other direction."""
-        damping, modes = (None if each is None else each.conj() for each in (self.damping, self.modes))
-        return LaggedMatrices(self.mass.conj(), self.stiffness.conj(), damping, modes)
+        damping, modes, gyroscopic = (
+            None if each is None else each.conj() for each in (self.damping, self.modes, self.gyroscopic)
+        )
+        return LaggedMatrices(self.mass.conj(), self.stiffness.conj(), damping, modes, gyroscopic)
 
 
 @dataclass(frozen=True)
@@ -93,13 +104,26 @@ class CyclicSector:
                 arguments=["diameters"],
             )
         for diameter, each in self.diameters.items():
-            for name, matrix in (("mass", each.mass), ("stiffness", each.stiffness), ("damping", each.damping)):
+            for name in ("mass", "stiffness", "damping"):
+                matrix = getattr(each, name)
                 if matrix is not None and (matrix.shape not in sizes or not _is_hermitian(matrix)):
                     raise InputError(
                         f"the {name} matrix of nodal diameter {diameter} is not Hermitian, or not of the shape of the "
                         "others. Give M, C and K with their conjugate transposes.",
                         arguments=["diameters"],
                     )
+            whirl = each.gyroscopic
+            if whirl is not None and (whirl.shape not in sizes or not _is_hermitian(1j * whirl)):
+                raise InputError(
+                    f"the gyroscopic matrix of nodal diameter {diameter} is not skew-Hermitian, or not of the shape of "
+                    "the others. Give G = -G^H, and the rest of a damping matrix as damping.",
+                    arguments=["diameters"],
+                )
+        if len({each.gyroscopic is None for each in self.diameters.values()}) > 1:
+            raise InputError(
+                "only some nodal diameters have a gyroscopic matrix. Give it for all of them, or for none.",
+                arguments=["diameters"],
+            )
 
     def __repr__(self) -> str:
         given = ", ".join(map(str, sorted(self.diameters)))
@@ -114,6 +138,7 @@ class CyclicSector:
         mass: ArrayLike,
         stiffness: ArrayLike,
         damping: ArrayLike | None = None,
+        gyroscopic: ArrayLike | None = None,
         *,
         left: ArrayLike,
         right: ArrayLike,
@@ -122,11 +147,12 @@ class CyclicSector:
         """The sector of matrices (n, n) that contain both its boundaries, for all nodal diameters, without reduction.
 
         Unknown ``right[i]`` is unknown ``left[i]`` of the next sector, and is no unknown of the result; the others
-        remain in their order. Raises InputError.
+        remain in their order. ``gyroscopic`` is the skew-symmetric matrix of Coriolis forces. Raises InputError.
         """
         whole_number("sectors", sectors, 2)
         elastic, inertial = symmetric_matrix("stiffness", stiffness), symmetric_matrix("mass", mass)
         viscous = None if damping is None else symmetric_matrix("damping", damping)
+        whirl = None if gyroscopic is None else skew_matrix("gyroscopic", gyroscopic)
         size = len(elastic)
         first, second = (_unknown_numbers(name, value, size) for name, value in (("left", left), ("right", right)))
         if first.size != second.size or np.intersect1d(first, second).size or not first.size:
@@ -135,13 +161,14 @@ class CyclicSector:
                 "one, and no unknown in common.",
                 arguments=["left", "right"],
             )
-        model = LaggedModel.of_unknowns((elastic, inertial, viscous), first, second)
+        model = LaggedModel.of_unknowns((elastic, inertial, viscous), first, second, gyroscopic=whirl)
         dense = {}
         for diameter in range(sectors // 2 + 1):
             stiff, heavy, lossy = model.at(diameter, sectors)
-            dense[diameter] = LaggedMatrices(
-                heavy.toarray(), stiff.toarray(), None if lossy is None else lossy.toarray()
+            lossy, turning = (
+                None if each is None else each.toarray() for each in (lossy, model.gyroscopic_at(diameter, sectors))
             )
+            dense[diameter] = LaggedMatrices(heavy.toarray(), stiff.toarray(), lossy, gyroscopic=turning)
         return cls(sectors, dense, np.empty(0, dtype=np.int64))
 
     @property
@@ -173,6 +200,11 @@ class CyclicSector:
             "superelement.",
             arguments=["superelement"],
         )
+
+    @property
+    def has_coriolis(self) -> bool:
+        """Whether it has Coriolis forces."""
+        return next(iter(self.diameters.values())).gyroscopic is not None
 
     @property
     def row_size(self) -> int:
@@ -216,20 +248,29 @@ class CyclicSector:
         matrices = self.diameters[diameter]
         return matrices if waves % self.sectors == diameter else matrices.conjugate()
 
-    def natural_frequencies(self, diameter: int, count: int | None = None) -> FloatArray:
+    def natural_frequencies(
+        self, diameter: int, count: int | None = None, direction: Direction = "forward"
+    ) -> FloatArray:
         """(count,) Hz, the lowest natural frequencies of a nodal diameter without contact, all by default.
 
-        Raises InputError for a diameter that the reduction omitted.
+        With Coriolis forces those of waves in one ``direction`` round the disk, in the rotating frame; without them
+        both directions have the same. Raises InputError for a diameter that the reduction omitted.
         """
-        matrices = self.lagged(diameter)
-        squares = scipy.linalg.eigh(matrices.stiffness, matrices.mass, eigvals_only=True)
-        return np.asarray(np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * np.pi))
+        matrices = self.lagged(waves_of(diameter, direction))
+        if matrices.gyroscopic is None:
+            squares = scipy.linalg.eigh(matrices.stiffness, matrices.mass, eigvals_only=True)
+            return np.asarray(np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * np.pi))
+        squares, modes = scipy.linalg.eigh(matrices.stiffness, matrices.mass)
+        coupling = modes.conj().T @ matrices.gyroscopic @ modes
+        whirling, _ = gyroscopic_modes(np.sqrt(np.maximum(squares, 0.0)), coupling)
+        return whirling[:count] / (2.0 * np.pi)
 
     def plot(self, count: int = 6, speed_rpm: float | None = None) -> Figure:
         """The nodal-diameter diagram: the lowest ``count`` natural frequencies of each diameter without contact.
 
-        With a speed the line of all engine orders is beside them (SAFE diagram). Raises InputError for a count that the
-        sector does not have, and a speed that is not above zero.
+        Coriolis forces split them: those of backward waves are dotted then. With a speed the line of all engine orders
+        is beside them (SAFE diagram). Raises InputError for a count that the sector does not have, and a speed that is
+        not above zero.
         """
         from stickslip.structure.nodal_diameter_figure import nodal_diameter_figure
 
@@ -237,8 +278,11 @@ class CyclicSector:
         require_allowed("count", count, count <= self.size, f"at most {self.size}, the number of unknowns")
         if speed_rpm is not None:
             positive_number("speed_rpm", speed_rpm, "revolutions per minute")
-        frequencies = {diameter: self.natural_frequencies(diameter, count) for diameter in self.diameters}
-        return nodal_diameter_figure(frequencies, self.sectors, speed_rpm)
+        forward, backward = (
+            {diameter: self.natural_frequencies(diameter, count, direction) for diameter in self.diameters}
+            for direction in get_args(Direction)
+        )
+        return nodal_diameter_figure(forward, self.sectors, speed_rpm, backward if self.has_coriolis else None)
 
     def unknowns_of(self, node: int) -> IntArray:
         """The three unknowns (x, y, z) of a boundary node with this number in the mesh. Raises InputError."""
@@ -302,6 +346,15 @@ class CyclicSector:
 def _is_hermitian(matrix: Matrix) -> bool:
     """Whether a matrix is that of a sector, except for round-off."""
     return bool(np.abs(matrix - matrix.conj().T).max(initial=0.0) <= SYMMETRIC * np.abs(matrix).max(initial=0.0))
+
+
+def waves_of(diameter: int, direction: Direction) -> int:
+    """The signed number of waves of a nodal diameter: a forward wave has the lag ``-2 pi d / N`` to the next sector.
+
+    Raises InputError for a direction that does not exist.
+    """
+    require_choice("direction", direction, get_args(Direction))
+    return -diameter if direction == "forward" else diameter
 
 
 def folded(waves: int, sectors: int) -> int:

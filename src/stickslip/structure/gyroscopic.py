@@ -25,7 +25,8 @@ def gyroscopic_modes(circular_frequency: FloatArray, coupling: NDArray[Any]) -> 
     circular_frequency:
         (n,) rad/s, w of the modes without Coriolis forces.
     coupling:
-        (n, n) 1/s, G in these mass-normalised modes, skew-symmetric.
+        (n, n) 1/s, G in these mass-normalised modes: skew-symmetric, or skew-Hermitian for a sector of a disk, whose
+        waves in the other direction have the conjugate one.
 
     Returns
     -------

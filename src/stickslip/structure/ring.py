@@ -29,10 +29,11 @@ class Ring:
         require_mesh_of(mesh, symmetry)
         sectors, n_nodes = symmetry.sectors, mesh.n_nodes
         own = np.ones(n_nodes, dtype=bool)
-        own[symmetry.right] = False
+        own[symmetry.right] = symmetry.is_tied  # then both boundaries have their own nodes
         number = np.zeros((sectors, n_nodes), dtype=np.int64)
         number[:, own] = np.arange(sectors * int(own.sum())).reshape(sectors, -1)
-        number[:, symmetry.right] = np.roll(number[:, symmetry.left], -1, axis=0)
+        if not symmetry.is_tied:
+            number[:, symmetry.right] = np.roll(number[:, symmetry.left], -1, axis=0)
         points = np.concatenate([symmetry.rotated(mesh.points[own], sector) for sector in range(sectors)])
         blocks = mesh.blocks
         return cls(

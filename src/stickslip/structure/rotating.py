@@ -16,7 +16,6 @@ from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factorize, is_positive_definite
 from stickslip.structure.floating_parts import unsupported_unknowns
-from stickslip.structure.gyroscopic import gyroscopic_modes
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.rotating_superelement import RPM, checked_speed
 from stickslip.structure.rotation_matrices import (
@@ -26,10 +25,9 @@ from stickslip.structure.rotation_matrices import (
     stress_stiffness_matrix,
 )
 from stickslip.structure.sector_reduction import boundary_unknowns, constant_motion, lagged_model
+from stickslip.structure.whirling import whirling_frequencies
 
 FreeBodies = Literal["rejected", "at rest"]
-# chosen: modes without Coriolis forces in which those with them are computed: this multiple of the number, and more.
-BASIS_FACTOR, BASIS_MORE = 2, 12
 # chosen: static displacement over the diagonal of the bounding box. Without the change of geometry, frequencies of a
 # beam that is bent by 2 % of its length differ by up to 0.1 % from those of CalculiX, and by 6 % if it is 20 %.
 LARGEST_MOTION = 0.05
@@ -96,6 +94,10 @@ class RotatingStructure:
         self._require_small_motion(speed, argument)
         return replace(self.structure, stiffness=stiffness)
 
+    def coriolis_at(self, speed_rpm: float) -> Any:
+        """csr (n_free, n_free) N s/m, the gyroscopic matrix at a speed. Raises InputError for a negative speed."""
+        return (RPM * checked_speed(speed_rpm, np.inf) * self.coriolis).tocsr()
+
     def _require_small_motion(self, speed_rpm: float, argument: str) -> None:
         """Raise InputError for a speed at which the static displacements change the geometry."""
         moved = float(np.linalg.norm(self.displacement.reshape(-1, 3), axis=1).max()) * (RPM * speed_rpm) ** 2
@@ -130,8 +132,8 @@ class RotatingStructure:
         """Raise InputError for a sector, which is used ``instead`` in another function."""
         if self.symmetry is not None:
             raise InputError(
-                f"the rotating structure is a sector of a disk; give at(speed_rpm) to {instead}, without Coriolis "
-                "forces, or the full ring here.",
+                f"the rotating structure is a sector of a disk; give at(speed_rpm) to {instead}, with "
+                "gyroscopic=coriolis_at(speed_rpm) for Coriolis forces, or the full ring here.",
                 arguments=["rotor"],
             )
 
@@ -158,13 +160,9 @@ class RotatingStructure:
         """
         self.require_complete("sector_frequencies")
         structure = self.at(speed_rpm)
-        size = structure.stiffness.shape[0]
-        more = min(BASIS_FACTOR * count + BASIS_MORE, size - 1) if coriolis else count
-        frequency_hz, modes = natural_frequencies(structure.stiffness, structure.mass, max(more, count))
         if not coriolis:
-            return frequency_hz
-        coupling = RPM * speed_rpm * (modes.T @ (self.coriolis @ modes))
-        return gyroscopic_modes(2.0 * np.pi * frequency_hz, coupling)[0][:count] / (2.0 * np.pi)
+            return natural_frequencies(structure.stiffness, structure.mass, count)[0]
+        return whirling_frequencies(structure.stiffness, structure.mass, self.coriolis_at(speed_rpm), count)
 
 
 @dataclass(frozen=True)
@@ -214,7 +212,7 @@ def rotating(
         (3,) m of a point on the axis.
     symmetry:
         for one sector of a disk: its static state is that of the whole disk. ``at(speed_rpm)`` is then a structure for
-        :func:`sector_frequencies` and :func:`cyclic_sector`, without Coriolis forces.
+        :func:`sector_frequencies` and :func:`cyclic_sector`, and ``coriolis_at(speed_rpm)`` its gyroscopic matrix.
     free_bodies:
         bodies that nothing but contact supports, such as dampers: ``"at rest"`` gives them their matrices at rest. They
         have a centrifugal load, but no softening, no Coriolis forces and no stress stiffness, and their contact forces

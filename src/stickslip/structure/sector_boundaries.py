@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -52,14 +53,34 @@ def cyclic_symmetry(
     nodes = finite_array("points", points)
     first, second = (_nodes_of(name, value, len(nodes)) for name, value in (("left", left), ("right", right)))
     _require_two_boundaries(first, second)
+    if first.size != second.size:
+        raise InputError(
+            f"left has {first.size} nodes and right {second.size}: the boundaries of a sector must match node by node. "
+            "Mesh both boundaries alike, or tie them (tied_symmetry; in a study file structure.tied = true).",
+            arguments=["left", "right"],
+        )
+    return symmetry_of_boundaries(nodes, first, second, axis, sectors, lambda about: _matched(nodes, about))
+
+
+def symmetry_of_boundaries(
+    points: FloatArray,
+    left: IntArray,
+    right: IntArray,
+    axis: Axis | None,
+    sectors: int | None,
+    connected: Callable[[CyclicSymmetry], CyclicSymmetry],
+) -> CyclicSymmetry:
+    """The symmetry of two boundaries that ``connected`` gives for one about an axis, whose nodes have no order yet; it
+    raises InputError if they do not fit. Other arguments and errors are those of :func:`cyclic_symmetry`."""
+    _require_two_boundaries(left, right)
     if sectors is not None:
         whole_number("sectors", sectors, 2)
     if axis is not None:
-        return _about(nodes, first, second, _checked_axis(axis), sectors)
+        return connected(_about(points, left, right, _checked_axis(axis), sectors))
     answers, reasons = [], []
     for name in ("x", "y", "z"):
         try:
-            answers.append(_about(nodes, first, second, _checked_axis(name), sectors))
+            answers.append(connected(_about(points, left, right, _checked_axis(name), sectors)))
         except InputError as error:
             reasons.append(str(error))
     if len(answers) > 1:
@@ -96,12 +117,6 @@ def _require_two_boundaries(left: IntArray, right: IntArray) -> None:
             "boundary.",
             arguments=["left", "right"],
         )
-    if left.size != right.size:
-        raise InputError(
-            f"left has {left.size} nodes and right {right.size}: the boundaries of a sector must match node by node. "
-            "Mesh both boundaries alike.",
-            arguments=["left", "right"],
-        )
 
 
 def _checked_axis(axis: Axis) -> tuple[FloatArray, FloatArray]:
@@ -128,14 +143,19 @@ def _checked_axis(axis: Axis) -> tuple[FloatArray, FloatArray]:
 def _about(
     points: FloatArray, left: IntArray, right: IntArray, axis: tuple[FloatArray, FloatArray], sectors: int | None
 ) -> CyclicSymmetry:
-    """The symmetry about an axis, whose direction the rotation from left to right determines. Raises InputError."""
+    """The symmetry about an axis, whose direction the rotation from left to right determines, without an order of the
+    nodes. Raises InputError."""
     point, direction = axis
     _require_off_axis(points, np.concatenate([left, right]), point, direction)
     angle = _angle(points[left], points[right], point, direction)
     if angle < 0.0:
         angle, direction = -angle, -direction
-    count = _count(angle, sectors)
-    symmetry = CyclicSymmetry(count, point, direction, left, right, len(points))
+    return CyclicSymmetry(_count(angle, sectors), point, direction, left, right, len(points))
+
+
+def _matched(points: FloatArray, symmetry: CyclicSymmetry) -> CyclicSymmetry:
+    """With the nodes of the right boundary in the order of those of the left one. Raises InputError."""
+    left, right, count = symmetry.left, symmetry.right, symmetry.sectors
     distance, partner = scipy.spatial.cKDTree(points[right]).query(symmetry.rotated(points[left]))
     spacing = _spacing(points[left])
     worst = int(distance.argmax())
@@ -144,10 +164,11 @@ def _about(
         raise InputError(
             f"the boundaries do not match: node {left[worst]} of left at ({place}) mm, rotated by "
             f"{360.0 / count:.6g} degrees, is {1e3 * distance[worst]:.3g} mm from the nearest node of right, but "
-            f"nodes must match to {1e3 * MATCH * spacing:.2g} mm. Mesh both boundaries alike, or check the axis.",
+            f"nodes must match to {1e3 * MATCH * spacing:.2g} mm. Mesh both boundaries alike, check the axis, or tie "
+            "them (tied_symmetry; in a study file structure.tied = true).",
             arguments=["left", "right"],
         )
-    return CyclicSymmetry(count, point, direction, left, right[partner], len(points))
+    return replace(symmetry, right=right[partner])
 
 
 def _count(angle: float, sectors: int | None) -> int:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
@@ -14,7 +13,15 @@ from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
 from stickslip.structure.craig_bampton import ReducedMatrices, checked_boundary, reduced_matrices
-from stickslip.structure.cyclic_sector import CyclicSector, LaggedMatrices, Matrix, require_diameter
+from stickslip.structure.cyclic_sector import (
+    SYMMETRIC,
+    CyclicSector,
+    Direction,
+    LaggedMatrices,
+    Matrix,
+    require_diameter,
+    waves_of,
+)
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factorize
@@ -22,6 +29,7 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.phase_lag import LaggedModel
 from stickslip.structure.recovery import FullModel
 from stickslip.structure.sector_boundaries import require_mesh_of
+from stickslip.structure.whirling import whirling_frequencies
 
 # chosen: a constraint on the right boundary is that of the left one, rotated, if their entries differ by less.
 SAME_CONSTRAINT = 1e-9
@@ -34,6 +42,7 @@ def cyclic_sector(
     *,
     diameters: Sequence[int] | None = None,
     n_modes: int = 30,
+    gyroscopic: Any = None,
     backend: Backend = "superlu",
     threads: int = 1,
     progress: ProgressCallback | None = None,
@@ -56,6 +65,9 @@ def cyclic_sector(
         nodal diameters 0 to N // 2; None for all. :func:`nodal_diameters` gives those of an engine order.
     n_modes:
         fixed-interface modes of each diameter.
+    gyroscopic:
+        sparse (n_free, n_free) N s/m, the skew-symmetric matrix of Coriolis forces in the unknowns of the structure,
+        such as that of :meth:`stickslip.structure.rotating.RotatingStructure.coriolis_at`; None without them.
     backend, threads, progress:
         as in :func:`craig_bampton`. SuperLU factors the complex matrices of most diameters with any backend.
 
@@ -63,13 +75,15 @@ def cyclic_sector(
     ------
     InputError
         for a symmetry of another mesh, constraints that differ between the boundaries, a boundary node on the right
-        boundary, a nodal diameter that does not exist, and all errors of :func:`craig_bampton`.
+        boundary, a nodal diameter that does not exist, a gyroscopic matrix that is not skew-symmetric or of another
+        size, and all errors of :func:`craig_bampton`.
     """
     nodes = checked_boundary(boundary_nodes)
     require_mesh_of(structure.mesh, symmetry)
     followers = np.isin(nodes, symmetry.right)
     if followers.any():
         node = int(nodes[followers][0])
+        symmetry.homes(nodes)  # of tied boundaries it has no partner
         partner = int(symmetry.left[symmetry.right == node][0])
         raise InputError(
             f"boundary_nodes names node {node} of the right boundary ({int(followers.sum())} such nodes), which is "
@@ -79,7 +93,7 @@ def cyclic_sector(
     wanted = range(symmetry.sectors // 2 + 1) if diameters is None else sorted(set(diameters))
     for diameter in wanted:
         require_diameter(diameter, symmetry.sectors)
-    model = lagged_model(structure, symmetry)
+    model = lagged_model(structure, symmetry, gyroscopic)
     boundary = np.searchsorted(model.remaining, structure.unknowns_of(nodes).ravel())
     interior = np.setdiff1d(np.arange(model.remaining.size), boundary)
     report = progress or (lambda fraction, detail: None)
@@ -89,25 +103,39 @@ def cyclic_sector(
             listener = _part_of_progress(report, place, len(wanted), diameter)
             matrices = model.at(diameter, symmetry.sectors)
             node_of = structure.node[model.remaining]
-            part = reduced_matrices(matrices, node_of, boundary, interior, n_modes, backend, threads, listener)
+            whirl = model.gyroscopic_at(diameter, symmetry.sectors)
+            part = reduced_matrices(matrices, node_of, boundary, interior, n_modes, backend, threads, listener, whirl)
             reduced[diameter] = _hermitian(part)
     return CyclicSector(symmetry.sectors, reduced, nodes, structure.mesh.points[nodes], symmetry)
 
 
 def sector_frequencies(
-    structure: Structure, symmetry: CyclicSymmetry, diameters: Sequence[int], count: int
+    structure: Structure,
+    symmetry: CyclicSymmetry,
+    diameters: Sequence[int],
+    count: int,
+    gyroscopic: Any = None,
+    direction: Direction = "forward",
 ) -> dict[int, FloatArray]:
     """Nodal diameter -> (count,) Hz, the lowest natural frequencies of the unreduced disk without contact.
 
-    ``structure`` and ``symmetry`` are those of :func:`cyclic_sector`; ``diameters`` are numbers from 0 to N // 2.
-    Raises InputError for a nodal diameter that does not exist, and for a symmetry of another mesh.
+    ``structure``, ``symmetry`` and ``gyroscopic`` are those of :func:`cyclic_sector`; ``diameters`` are numbers from 0
+    to N // 2. Coriolis forces split the frequencies, and those of the waves in one ``direction`` round the disk result;
+    they are computed in the ``2 count + 12`` lowest modes without these forces. Raises InputError for a nodal diameter
+    or a direction that does not exist, and for a symmetry or a gyroscopic matrix of another mesh.
     """
-    model = lagged_model(structure, symmetry)
+    turn = waves_of(1, direction)
+    model = lagged_model(structure, symmetry, gyroscopic)
     answer = {}
     for diameter in diameters:
         require_diameter(diameter, symmetry.sectors)
         stiffness, mass, _ = model.at(diameter, symmetry.sectors)
-        answer[diameter] = natural_frequencies(stiffness, mass, count)[0]
+        whirl = model.gyroscopic_at(diameter, symmetry.sectors)
+        if whirl is None:
+            answer[diameter] = natural_frequencies(stiffness, mass, count)[0]
+        else:
+            stiffness, mass, whirl = (each if turn > 0 else each.conj() for each in (stiffness, mass, whirl))
+            answer[diameter] = whirling_frequencies(stiffness, mass, whirl, count)
     return answer
 
 
@@ -118,7 +146,8 @@ def _hermitian(part: ReducedMatrices) -> LaggedMatrices:
         return np.asarray(0.5 * (matrix + matrix.conj().T))
 
     damping = None if part.damping is None else mended(part.damping)
-    return LaggedMatrices(mended(part.mass), mended(part.stiffness), damping, part.modes)
+    whirl = None if part.gyroscopic is None else 0.5 * (part.gyroscopic - part.gyroscopic.conj().T)
+    return LaggedMatrices(mended(part.mass), mended(part.stiffness), damping, part.modes, whirl)
 
 
 def _part_of_progress(report: ProgressCallback, place: int, count: int, diameter: int) -> Callable[[float, str], None]:
@@ -145,11 +174,12 @@ def constant_motion(
     return motion
 
 
-def lagged_model(structure: FullModel, symmetry: CyclicSymmetry) -> LaggedModel:
-    """From the matrices of a sector with both its boundaries.
+def lagged_model(structure: FullModel, symmetry: CyclicSymmetry, gyroscopic: Any = None) -> LaggedModel:
+    """From the matrices of a sector with both its boundaries, and its sparse gyroscopic matrix or None.
 
-    Raises InputError for a node that is constrained on one boundary and not in the same way on the other, and for a
-    structure with ties, of which the equations between the boundaries would know nothing.
+    Raises InputError for a gyroscopic matrix that is not skew-symmetric or of another size, for a node that is
+    constrained on one boundary and not in the same way on the other, and for a structure with ties, of which the
+    equations between the boundaries would know nothing.
     """
     if getattr(structure, "constraints", None) is not None:
         raise InputError(
@@ -157,9 +187,26 @@ def lagged_model(structure: FullModel, symmetry: CyclicSymmetry) -> LaggedModel:
             "yet. Give one mesh with common nodes, or the full ring.",
             arguments=["structure"],
         )
+    if gyroscopic is not None:
+        _require_skew(gyroscopic, structure.stiffness.shape)
     left, right, rotation = boundary_unknowns(structure, symmetry)
     matrices = (structure.stiffness, structure.mass, getattr(structure, "damping", None))
-    return LaggedModel.of_unknowns(matrices, left, right, rotation)
+    return LaggedModel.of_unknowns(matrices, left, right, rotation, gyroscopic)
+
+
+def _require_skew(matrix: Any, shape: tuple[int, int]) -> None:
+    """Raise InputError for a gyroscopic matrix of another shape, or that is not skew-symmetric."""
+    if matrix.shape != shape:
+        raise InputError(
+            f"gyroscopic has shape {matrix.shape}, but the structure has {shape[0]} free unknowns. Give coriolis_at of "
+            "the rotating structure of this mesh.",
+            arguments=["gyroscopic"],
+        )
+    if float(abs(matrix + matrix.T).max()) > SYMMETRIC * float(abs(matrix).max()):
+        raise InputError(
+            "gyroscopic is not skew-symmetric, but Coriolis forces do no work. Give G = -G^T.",
+            arguments=["gyroscopic"],
+        )
 
 
 def boundary_unknowns(structure: FullModel, symmetry: CyclicSymmetry) -> tuple[IntArray, IntArray, Any]:
@@ -167,9 +214,28 @@ def boundary_unknowns(structure: FullModel, symmetry: CyclicSymmetry) -> tuple[I
     position = np.full(structure.full_size, -1)
     position[structure.free_unknowns] = np.arange(structure.free_unknowns.size)
     left, right = (position[3 * nodes[:, None] + np.arange(3)].ravel() for nodes in (symmetry.left, symmetry.right))
-    _require_same_constraints(left >= 0, right >= 0, symmetry)
-    rotation = scipy.sparse.kron(scipy.sparse.identity(symmetry.left.size), symmetry.rotation(), format="csr")
-    return left[left >= 0], right[right >= 0], rotation[right >= 0][:, left >= 0]
+    follows = symmetry.following()
+    if symmetry.is_tied:
+        _require_constraints_that_follow(left >= 0, right >= 0, symmetry, follows)
+    else:
+        _require_same_constraints(left >= 0, right >= 0, symmetry)
+    return left[left >= 0], right[right >= 0], follows[right >= 0][:, left >= 0]
+
+
+def _require_constraints_that_follow(left_free: Any, right_free: Any, symmetry: CyclicSymmetry, follows: Any) -> None:
+    """Raise InputError unless constrained displacements of a tied right boundary follow constrained ones alone, and
+    free ones at least one that is free."""
+    moved = np.asarray(abs(follows[:, left_free]).sum(axis=1)).ravel() > SAME_CONSTRAINT
+    wrong = np.flatnonzero(moved != right_free)
+    if wrong.size:
+        node, axis = symmetry.right[wrong[0] // 3], "xyz"[wrong[0] % 3]
+        says, other = ("free", "constrained") if right_free[wrong[0]] else ("constrained", "free")
+        raise InputError(
+            f"node {node} of the right boundary is {says} along {axis}, but what it follows on the left one is {other} "
+            f"({wrong.size} displacements differ): a constraint of one boundary must be that of the other one, "
+            "rotated. Constrain both, or none.",
+            arguments=["left", "right"],
+        )
 
 
 def _require_same_constraints(left_free: Any, right_free: Any, symmetry: CyclicSymmetry) -> None:

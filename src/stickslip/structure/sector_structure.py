@@ -27,10 +27,14 @@ from stickslip.structure.superelement import PairsOfNodes
 
 @dataclass(frozen=True)
 class SectorStructure:
-    """The structure of one sector with both its boundaries, and how it continues in the next sector."""
+    """The structure of one sector with both its boundaries, and how it continues in the next sector.
+
+    ``gyroscopic`` csr (n_free, n_free) N s/m are its Coriolis forces, or None.
+    """
 
     structure: Structure
     symmetry: CyclicSymmetry
+    gyroscopic: Any = None
 
     @property
     def mesh(self) -> Mesh:
@@ -40,13 +44,16 @@ class SectorStructure:
     @cached_property
     def model(self) -> LaggedModel:
         """The matrices for any phase lag. Raises InputError, see :func:`lagged_model`."""
-        return lagged_model(self.structure, self.symmetry)
+        return lagged_model(self.structure, self.symmetry, self.gyroscopic)
 
     def reduced(
         self, nodes: IntArray, n_modes: int, threads: int = 1, progress: ProgressCallback | None = None
     ) -> CyclicSector:
         """The sector in the unknowns of nodes, for all nodal diameters. See :func:`cyclic_sector`."""
-        return cyclic_sector(self.structure, self.symmetry, nodes, n_modes=n_modes, threads=threads, progress=progress)
+        return cyclic_sector(
+            self.structure, self.symmetry, nodes, n_modes=n_modes, gyroscopic=self.gyroscopic, threads=threads,
+            progress=progress,
+        )  # fmt: skip
 
     def blade_frequencies(self, nodes: IntArray) -> FloatArray:
         """Hz of the blade alone, whose nodes these are, with its root fixed. Raises InputError, see
@@ -61,6 +68,7 @@ class SectorStructure:
         """(count,) Hz, the lowest natural frequencies of a nodal diameter with stuck pairs.
 
         ``springs`` (3 * n_pairs,) N/m are those of the pairs; a body that moves freely has frequencies near 0 Hz.
+        Without Coriolis forces.
         """
         stiffness, mass, _ = self.model.at(diameter, self.symmetry.sectors)
         lag = self._lag(diameter)
@@ -116,15 +124,13 @@ class SectorStructure:
 
     def _displacements(self, lag: complex) -> Any:
         """csr (3 * n_nodes, n) complex: displacements of the mesh from the unknowns of the model, with the lag to the
-        next sector. The right boundary is ``lag R`` times the left one."""
+        next sector. The right boundary is ``lag`` times what it follows on the left one."""
         size, remaining = self.structure.full_size, self.structure.free_unknowns[self.model.remaining]
         here = scipy.sparse.csr_matrix(
             (np.ones(remaining.size), (remaining, np.arange(remaining.size))), shape=(size, remaining.size)
         )
-        count = self.symmetry.left.size
         left, right = (
             (3 * nodes[:, None] + np.arange(3)).ravel() for nodes in (self.symmetry.left, self.symmetry.right)
         )
-        rotation = scipy.sparse.kron(scipy.sparse.identity(count), self.symmetry.rotation(), format="csr")
-        ahead = scipy.sparse.csr_matrix((np.ones(3 * count), (right, np.arange(3 * count))), shape=(size, 3 * count))
-        return (here + lag * (ahead @ (rotation @ here[left]))).tocsr()
+        ahead = scipy.sparse.csr_matrix((np.ones(right.size), (right, np.arange(right.size))), shape=(size, right.size))
+        return (here + lag * (ahead @ (self.symmetry.following() @ here[left]))).tocsr()

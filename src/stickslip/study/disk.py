@@ -19,6 +19,7 @@ from stickslip.results.disk import Disk
 from stickslip.solve.excitation import TravellingWave, lag_of
 from stickslip.structure.craig_bampton import ReductionRow
 from stickslip.structure.cyclic_sector import CyclicSector, folded
+from stickslip.structure.gyroscopic import gyroscopic_modes
 from stickslip.structure.ring import Ring
 from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.superelement import moves_freely
@@ -89,29 +90,44 @@ class DiskOfStudy:
     def frequencies(self) -> Disk:
         """The natural frequencies of each nodal diameter with both linear limits of the contact."""
         diameters = sorted(self.sector.diameters)
-        tables = [[self._frequencies(each, is_stuck) for each in diameters] for is_stuck in (True, False)]
+        turn = self._turn
+        given = [(turn, True), (turn, False), *([(-turn, True)] if self.sector.has_coriolis else [])]
+        tables = [[self._frequencies(way * each, is_stuck) for each in diameters] for way, is_stuck in given]
         count = min(FAMILIES, *(row.size for table in tables for row in table))
-        stuck, free = (np.array([row[:count] for row in table]) for table in tables)
-        return Disk(self.sector.sectors, self.wave.engine_order, self.wave.direction, np.array(diameters), stuck, free)
+        stuck, free, *opposite = (np.array([row[:count] for row in table]) for table in tables)
+        wave = self.wave.engine_order, self.wave.direction
+        return Disk(self.sector.sectors, *wave, np.array(diameters), stuck, free, *opposite)
 
-    def _frequencies(self, diameter: int, is_stuck: bool) -> FloatArray:
+    @property
+    def _turn(self) -> int:
+        """1 or -1: the sign of the lag between sectors under the excitation, after folding at N / 2."""
+        return 1 if 2 * (self.wave.waves(1) % self.sector.sectors) <= self.sector.sectors else -1
+
+    def _frequencies(self, waves: int, is_stuck: bool) -> FloatArray:
         """Hz, rising, without motions of free bodies."""
-        stiffness, mass = self._matrices(diameter, is_stuck)
+        stiffness, mass = self._matrices(waves, is_stuck)
         squares, modes = scipy.linalg.eigh(stiffness, mass)
-        return np.asarray(np.sqrt(squares[~moves_freely(stiffness, modes)].clip(0.0)) / (2.0 * np.pi))
+        frees = moves_freely(stiffness, modes)
+        omega, elastic = np.sqrt(squares[~frees].clip(0.0)), modes[:, ~frees]
+        gyroscopic = self.sector.lagged(waves).gyroscopic
+        if gyroscopic is not None:
+            # Free bodies have no Coriolis forces.
+            omega, _ = gyroscopic_modes(omega, elastic.conj().T @ gyroscopic @ elastic)
+        return np.asarray(omega / (2.0 * np.pi))
 
-    def _matrices(self, diameter: int, is_stuck: bool) -> tuple[Any, Any]:
-        """Stiffness and mass (n, n) of a nodal diameter."""
-        matrices = self.sector.lagged(diameter)
+    def _matrices(self, waves: int, is_stuck: bool) -> tuple[Any, Any]:
+        """Stiffness and mass (n, n) of a number of waves round the disk."""
+        matrices = self.sector.lagged(waves)
         if not is_stuck:
             return matrices.stiffness, matrices.mass
         here, ahead = np.hsplit(self.pairs.operator, 2)
-        operator = here + lag_of(diameter, self.sector.sectors) * ahead
+        operator = here + lag_of(waves, self.sector.sectors) * ahead
         springs = self.pairs.resting_stiffness()[:, None]
         return matrices.stiffness + operator.conj().T @ (springs * operator), matrices.mass
 
     def mode_rows(self, count: int) -> tuple[ReductionRow, ...]:
-        """Frequencies of the full and the reduced sector with stuck pairs, in the nodal diameter of the wave."""
+        """Frequencies of the full and the reduced sector with stuck pairs, in the nodal diameter of the wave, without
+        Coriolis forces."""
         diameter = folded(self.wave.waves(1), self.sector.sectors)
         springs = self.pairs.resting_stiffness()
         count = min(count, self.structure.model.remaining.size - 1)

@@ -38,6 +38,7 @@ from stickslip.sweeps.design import design
 
 # A small disk that solves in seconds.
 COARSE = {"contact_columns": 2, "contact_rows": 1, "sectors": 20}
+STEEL = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}  # that of the file
 FACES = ["damper here", "damper ahead", "platform right", "platform left"]
 
 
@@ -61,11 +62,11 @@ def mesh_of(case: Case) -> Mesh:
     return setup.sector.mesh
 
 
-def file_data(folder: Path, **structure: Any) -> dict[str, Any]:
-    """The study of the coarse disk from a mesh file."""
+def file_data(folder: Path, points: Any = None, **structure: Any) -> dict[str, Any]:
+    """The study of the coarse disk from a mesh file, with nodes at other ``points`` (n, 3) if they are given."""
     named = mesh_of(changed())
     mesh = Mesh(
-        named.points,
+        named.points if points is None else points,
         named.cells,
         named.body,
         {key.replace(" ", "_"): value for key, value in named.node_sets.items() if key not in FACES},
@@ -89,7 +90,7 @@ def file_data(folder: Path, **structure: Any) -> dict[str, Any]:
 
 @pytest.mark.slow
 def test_the_study_of_a_file_is_that_of_the_dimensions(tmp_path: Path) -> None:
-    own = changed(material={"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"})
+    own = changed(material=STEEL)
     read = Case.from_mapping(file_data(tmp_path))
     one, other = (set_up(case) for case in (own, read))
     assert isinstance(one, CyclicSetup)
@@ -102,6 +103,39 @@ def test_the_study_of_a_file_is_that_of_the_dimensions(tmp_path: Path) -> None:
         for setup, joint in zip((one, other), joints, strict=True)
     ]
     np.testing.assert_allclose(frequencies[0], frequencies[1], rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_tied_boundaries_of_a_file(tmp_path: Path) -> None:
+    """Nodes of the right boundary move along it, so that the boundaries do not match; the frequencies hardly change."""
+    plain = set_up(changed(material=STEEL))
+    assert isinstance(plain, CyclicSetup)
+    points, right = plain.sector.mesh.points.copy(), plain.symmetry.right
+    radius = np.hypot(points[right, 0], points[right, 1])
+    share = (radius - radius.min()) / np.ptp(radius)
+    points[right, :2] *= (1.0 + 0.01 * share * (1.0 - share))[:, None]
+    content = file_data(tmp_path, points, axis=[0, 0, 1])
+    with rejects(InputError, "structure.left", "structure.right"):
+        set_up(Case.from_mapping(content))
+    content["structure"]["tied"] = True
+    case = Case.from_mapping(content)
+    setup = set_up(case)
+    assert isinstance(setup, CyclicSetup)
+    assert setup.symmetry.is_tied
+    assert "tied" in dict(setup.sizes())["boundaries"]
+    for diameter in (1, 4):
+        own, expected = (
+            each.assemble().stuck_frequencies(joint.face_pairs, joint.resting_springs, diameter, 3)
+            for each, joint in ((one, load_joint(case, one.layout)) for one in (setup, plain))
+        )
+        np.testing.assert_allclose(own, expected, rtol=5e-3)
+        assert (own != expected).all()
+    reduced = build_model(case).substructure.require_sector()
+    assert reduced.symmetry is not None
+    assert reduced.symmetry.is_tied
+    content["responses"]["edge"] = {"node": int(right[-1]) + 1, "direction": [1.0, 0.0, 0.0]}
+    with rejects(InputError, "responses.edge"):
+        set_up(Case.from_mapping(content))
 
 
 @pytest.mark.slow
@@ -315,3 +349,32 @@ def test_a_body_over_three_sectors(tmp_path: Path) -> None:
     }  # fmt: skip
     with rejects(InputError, "structure.file"):
         set_up(Case.from_mapping(content))
+
+
+@pytest.mark.slow
+def test_the_page_of_a_disk_with_coriolis_forces(tmp_path: Path) -> None:
+    """The diagram has the waves of the excitation and those against it, in the file and in the table too."""
+    wave = {"engine_order": 19, "direction": "forward"}  # of 20 sectors: a backward wave of nodal diameter 1
+    case = changed(
+        rotation={"speed": "9000 rpm", "coriolis": True},
+        travelling_wave=wave,
+        solver={"frequency_start": "580 Hz", "frequency_stop": "584 Hz", "harmonics": 1, "samples": 64},
+    )
+    solution = solve_case(case)
+    stored = solution.record
+    save_results(tmp_path / "results.nc", solution.response, stored)
+    saved = load_results(tmp_path / "results.nc").study
+    assert saved is not None
+    disk = saved.disk
+    assert disk is not None
+    assert disk.opposite_hz is not None
+    linear = solution.response.linear
+    np.testing.assert_allclose(disk.stuck_hz[1, :2], linear.stuck_frequency_hz[:2], rtol=1e-9)
+    np.testing.assert_allclose(disk.free_hz[1, :2], linear.free_frequency_hz[:2], rtol=1e-9)
+    sector = solution.model.substructure.require_sector()
+    np.testing.assert_allclose(disk.free_hz[1, 0], sector.natural_frequencies(1, 7, "backward")[6], rtol=1e-6)
+    assert (np.abs(disk.opposite_hz[1] / disk.stuck_hz[1] - 1.0) > 1e-5).any()
+    np.testing.assert_allclose(disk.opposite_hz[[0, 10]], disk.stuck_hz[[0, 10]], rtol=1e-9)
+    tables = {table.name: table for table in study_tables(solution.response, stored)}
+    assert len(tables["nodal_diameters"].columns) == 1 + 3 * disk.stuck_hz.shape[1]
+    assert "waves against the excitation" in str(page(solution.response, stored))

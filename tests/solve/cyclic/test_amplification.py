@@ -113,6 +113,18 @@ def test_a_sector_with_damping_matrices_is_rejected() -> None:
         amplification_factors(damped, alone, np.zeros((1, SECTORS)), wave, [0.0, 1.0], **options)
 
 
+def test_coriolis_forces_are_rejected() -> None:
+    sector, alone = lumped()
+    whirl = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    whirling = {diameter: replace(each, gyroscopic=whirl) for diameter, each in sector.diameters.items()}
+    wave = Excitation.travelling_wave(3, [0.0, 1.0])
+    with rejects(InputError, "sector"):
+        amplification_factors(
+            replace(sector, diameters=whirling), alone, np.zeros((1, SECTORS)), wave, [0.0, 1.0], frequency_hz=WINDOW,
+            modal_damping_ratio=RATIO,
+        )  # fmt: skip
+
+
 def test_stuck_pairs_between_blades_raise_the_frequency() -> None:
     operator = np.zeros((3, 4))
     operator[0, [1, 3]] = -1.0, 1.0  # blade to the blade of the next sector

@@ -15,11 +15,11 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.jenkins import JenkinsElement
 from stickslip.core.errors import InputError
 from stickslip.solve.cyclic.full_ring import FullRing, full_ring
-from stickslip.solve.excitation import Direction, Excitation
+from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import forced_response
 from stickslip.structure.blade_alone import BladeAlone
 from stickslip.structure.blade_modes import blade_alone
-from stickslip.structure.cyclic_sector import CyclicSector
+from stickslip.structure.cyclic_sector import CyclicSector, Direction
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Material, Structure, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.mesh import Mesh
@@ -34,15 +34,17 @@ MODULUS = 2.1e11
 
 @pytest.mark.parametrize("sectors", [5, 6])
 def test_matrices_are_those_of_the_ring(sectors: int) -> None:
-    disk = SmallDisk.of(sectors)
+    disk = SmallDisk.of(sectors, whirls=True)
     ring, expected = full_ring(disk.sector).superelement, disk.ring
-    for name in ("mass", "stiffness", "damping"):
+    for name in ("mass", "stiffness", "damping", "gyroscopic"):
         wanted = getattr(expected, name)
         np.testing.assert_allclose(getattr(ring, name), wanted, rtol=0.0, atol=1e-13 * np.abs(wanted).max())
 
 
 def test_a_sector_without_damping_has_a_ring_without_it() -> None:
-    assert full_ring(SmallDisk.of(5, damped=False).sector).superelement.damping is None
+    ring = full_ring(SmallDisk.of(5, damped=False).sector).superelement
+    assert ring.damping is None
+    assert ring.gyroscopic is None
 
 
 def test_pairs_are_those_of_the_ring() -> None:

@@ -13,12 +13,16 @@ from stickslip.solve.harmonic.gain import CoupledGain, DiagonalGain, to_complex
 OMEGA, HARMONICS = 500.0, 4
 
 
-@pytest.fixture(params=[None, 0.02], ids=["matrix", "ratio"])
+@pytest.fixture(
+    params=[(None, False), (0.02, False), (None, True), (0.02, True)],
+    ids=["matrix", "ratio", "matrix and Coriolis", "ratio and Coriolis"],
+)
 def stuck(request: Any) -> Any:
-    disk = SmallDisk.of(6, damped=request.param is None)
+    ratio, whirls = request.param
+    disk = SmallDisk.of(6, damped=ratio is None, whirls=whirls)
     wave = Excitation.travelling_wave(1, disk.force_cos, disk.force_sin)
     return sector_balances(
-        disk.sector, disk.pairs, wave, OMEGA, HARMONICS, HARMONICS, 64, request.param, "tractrix", lambda words: None
+        disk.sector, disk.pairs, wave, OMEGA, HARMONICS, HARMONICS, 64, ratio, "tractrix", lambda words: None
     ).stuck
 
 
@@ -27,7 +31,7 @@ def dynamic_stiffness(stuck: Any, order: Any) -> Any:
     part = stuck.of_order(order)
     springs = part.operator.conj().T @ (stuck.pairs.resting_stiffness()[:, None] * part.operator)
     x = order * OMEGA
-    return part.stiffness + springs - x**2 * part.mass + 1j * x * part.damping, part.operator
+    return part.stiffness + springs - x**2 * part.mass + 1j * x * part.velocity_matrix, part.operator
 
 
 @pytest.mark.parametrize("near_range", [np.inf, 0.3])
@@ -81,7 +85,8 @@ def test_far_modes_are_springs_in_newtons_matrix(stuck: Any) -> None:
 
 def test_each_harmonic_has_its_own_gain(stuck: Any) -> None:
     compliance = stuck.compliance(HARMONICS)
-    expected = DiagonalGain if stuck.modal_damping_ratio else CoupledGain
+    whirls = stuck.of_order(1).gyroscopic is not None
+    expected = DiagonalGain if stuck.modal_damping_ratio and not whirls else CoupledGain
     assert isinstance(compliance.gain, expected)
     amplitude = np.random.default_rng(2).standard_normal((3, 2 * HARMONICS, 9))
     power = compliance.gain.viscous_power(amplitude)

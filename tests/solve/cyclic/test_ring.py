@@ -88,6 +88,38 @@ def test_modal_damping_of_a_sector_is_that_of_the_ring() -> None:
     np.testing.assert_allclose(motion, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("ratio", [None, 0.01])
+@pytest.mark.parametrize("direction", ["forward", "backward"])
+def test_coriolis_forces_of_a_sector_are_those_of_the_ring(direction: Any, ratio: Any) -> None:
+    disk, omega = SmallDisk.of(6, damped=ratio is None, whirls=True), 2.0 * np.pi * 84.0
+    own, whole = (kind(disk, 1, direction, omega, ratio) for kind in (of_sector, of_ring))
+    trial, motion = solved(own, omega)
+    expected = solved(whole, omega)[1]
+    size = np.abs(expected).max()
+    np.testing.assert_allclose(of_all(motion, own), expected, rtol=0.0, atol=1e-8 * size)
+    assert (trial.contact.state == [SLIPS, OPENS]).all()
+    still = solved(of_sector(SmallDisk.of(6, damped=ratio is None), 1, direction, omega, ratio), omega)[1]
+    assert np.abs(still - motion).max() > 0.05 * size
+
+
+def test_energies_and_frequencies_of_a_curve_with_coriolis_forces() -> None:
+    disk = SmallDisk.of(6, whirls=True)
+    curves = {}
+    for direction in ("forward", "backward"):
+        wave = Excitation.travelling_wave(1, disk.force_cos, disk.force_sin, direction)
+        curves[direction] = forced_response(
+            disk.sector, disk.pairs, wave, frequency_hz=(100.0, 76.0), harmonics=HARMONICS, samples=SAMPLES
+        )
+    for direction, curve in curves.items():
+        assert curve.converged
+        lost = curve.dissipated_energy.sum(axis=1) + curve.viscous_energy
+        np.testing.assert_allclose(lost, curve.input_energy, rtol=1e-7)
+        free = disk.sector.natural_frequencies(1, 5, direction)  # type: ignore[arg-type]
+        np.testing.assert_allclose(curve.linear.free_frequency_hz[:5], free, rtol=1e-10)
+    one, other = (each.linear.stuck_frequency_hz[:5] for each in curves.values())
+    assert np.abs(one / other - 1.0).max() > 1e-3
+
+
 @pytest.fixture(scope="module")
 def curve() -> Any:
     disk = SmallDisk.of(6)

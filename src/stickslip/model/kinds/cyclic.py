@@ -34,7 +34,13 @@ from stickslip.model.kinds.mistuning import blade_nodes
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.layout import Derived, Layout, NodeGroup
 from stickslip.model.overlap import require_single_joints
-from stickslip.model.rotation import free_body_messages, rotating_sector, speed_facts, speed_messages
+from stickslip.model.rotation import (
+    ADD_CORIOLIS,
+    free_body_messages,
+    rotating_sector,
+    speed_facts,
+    speed_messages,
+)
 from stickslip.solve.excitation import TravellingWave
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Hexahedron, Material
@@ -42,6 +48,7 @@ from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import connected_parts, model_oddities
 from stickslip.structure.sector_boundaries import Axis, cyclic_symmetry, with_next_sector
 from stickslip.structure.sector_structure import SectorStructure
+from stickslip.structure.tied_boundaries import tied_symmetry
 
 # chosen: all nodes of forces and responses remain unknowns of the sector, and their number squared is its matrix.
 MOST_NODES_OF_A_PLACE = 200
@@ -70,6 +77,7 @@ class CyclicSetup:
     sector: MeshSetup
     symmetry: CyclicSymmetry
     speed: float = 0.0  # rad/s
+    coriolis: bool = False
 
     @property
     def layout(self) -> Layout:
@@ -83,14 +91,14 @@ class CyclicSetup:
         with keys_of_section("structure"):
             sector = SectorStructure(structure, self.symmetry)
             _ = sector.model  # its constraints are those of both boundaries
-        return sector if not self.speed else rotating_sector(sector, self.speed)
+        return sector if not self.speed else rotating_sector(sector, self.speed, self.coriolis)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """The sizes of the sector, and the disk."""
         symmetry = self.symmetry
         axis, point = (", ".join(f"{each:.4g}" for each in row) for row in (symmetry.direction, 1e3 * symmetry.point))
         disk = f"{symmetry.sectors} sectors about ({axis}) through ({point}) mm"
-        return (("disk", disk), ("pairs of boundary nodes", f"{symmetry.left.size}"), *self.sector.sizes())
+        return (("disk", disk), ("boundaries", symmetry.boundary_words()), *self.sector.sizes())
 
     def write_places(self, folder: Path) -> tuple[Path, ...]:
         """The pairs, and the points of their faces without a partner."""
@@ -131,7 +139,7 @@ class CyclicKind(OwnKind[CyclicCase]):
         if isinstance(section, SectorMeshSection) and section.element is not None:
             element = section.element
         sector = MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values()))
-        return CyclicSetup(sector, symmetry, self.rotation_speed(case))
+        return CyclicSetup(sector, symmetry, self.rotation_speed(case), _has_coriolis(case))
 
     def find_layout(self, case: CyclicCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the sector; ``mesh`` must be that of :func:`set_up`."""
@@ -161,17 +169,21 @@ class CyclicKind(OwnKind[CyclicCase]):
                 f"{wave.direction} wave; all forces travel with it",
             ),
             ("Sectors", "all alike", "-", "amplitudes, energies and forces are those of each one, at another time"),
-            *speed_facts(self.rotation_speed(case)),
+            *speed_facts(self.rotation_speed(case), _has_coriolis(case)),
         )
 
     def warnings(self, case: CyclicCase) -> tuple[str, ...]:
         """What a rotation does not change."""
-        return tuple(speed_messages(self.rotation_speed(case), loads_follow=False))
+        return tuple(speed_messages(self.rotation_speed(case), False, _has_coriolis(case), ADD_CORIOLIS))
 
     def _excitation_words(self, case: CyclicCase) -> list[str]:
         wave = self.wave(case)
         forces = super()._excitation_words(case)
         return [f"{wave.direction.capitalize()} wave of engine order {wave.engine_order}: {' and '.join(forces)}"]
+
+
+def _has_coriolis(case: CyclicCase) -> bool:
+    return case.rotation is not None and case.rotation.coriolis
 
 
 def _source(section: SectorMeshSection | BladedDiskSection) -> ImportedModel:
@@ -210,6 +222,8 @@ def _symmetry(section: SectorMeshSection | BladedDiskSection, mesh: Mesh) -> Cyc
     if section.axis is not None:
         axis = (section.axis_point or (0.0, 0.0, 0.0), section.axis)
     try:
+        if section.tied:
+            return tied_symmetry(mesh, section.left, section.right, sectors=section.sectors, axis=axis)
         return cyclic_symmetry(mesh.points, left, right, sectors=section.sectors, axis=axis)
     except InputError as error:
         error.concern(*(f"structure.{name}" for name in error.keys))
@@ -311,7 +325,9 @@ def _require_free(
     constrained = np.unique(fixed // 3)
     named = {f"interfaces.{name}": each.pairs.nodes for name, each in pairings.items()}
     for name, nodes in (named | {name: each.nodes for name, each in groups.items()}).items():
-        wrong = np.intersect1d(symmetry.own_nodes(nodes), constrained)
+        with named_entry(name):
+            own = symmetry.own_nodes(nodes)
+        wrong = np.intersect1d(own, constrained)
         if wrong.size:
             label = source.shown(source.node_labels[wrong[0]])
             raise InputError(

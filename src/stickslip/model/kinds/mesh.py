@@ -34,7 +34,14 @@ from stickslip.model.kinds.ties import (
 from stickslip.model.layout import BaseMotionOfSupport, Derived, Layout, NodeGroup
 from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_joints
-from stickslip.model.rotation import Rotation, free_body_messages, rotating_bodies, speed_facts, speed_messages
+from stickslip.model.rotation import (
+    ADD_CORIOLIS,
+    Rotation,
+    free_body_messages,
+    rotating_bodies,
+    speed_facts,
+    speed_messages,
+)
 from stickslip.structure.attachments import Attachments, attach
 from stickslip.structure.body_load import translation_inertia
 from stickslip.structure.constraints import Constraints
@@ -172,7 +179,7 @@ class MeshKind(OwnKind[MeshCase]):
         """What a rotation does not change."""
         has_coriolis = case.rotation is not None and case.rotation.coriolis
         solved = case.preload.method == "solved"
-        words = speed_messages(self.rotation_speed(case), solved, has_coriolis, "; rotation.coriolis = true adds them")
+        words = speed_messages(self.rotation_speed(case), solved, has_coriolis, ADD_CORIOLIS)
         return (*super().warnings(case), *words)
 
     def load_sizes(self, case: MeshCase) -> Mapping[str, tuple[float, ...]]:

@@ -138,9 +138,10 @@ def amplification_factors(
     Raises
     ------
     InputError
-        for a sector without some nodal diameters or with damping matrices, arrays of another shape, a deviation above
-        0.3, an excitation that does not travel or has higher harmonics, a damping ratio that is not above zero, and a
-        range without resonance of the tuned disk. ConvergenceError instead of a warning with ``raise_on_failure``.
+        for a sector without some nodal diameters, with damping matrices or Coriolis forces, arrays of another shape, a
+        deviation above 0.3, an excitation that does not travel or has higher harmonics, a damping ratio that is not
+        above zero, and a range without resonance of the tuned disk. ConvergenceError instead of a warning with
+        ``raise_on_failure``.
     """
     result = unreported_factors(
         sector, blade, deviations, wave, output, frequency_hz=frequency_hz, modal_damping_ratio=modal_damping_ratio,
@@ -159,6 +160,12 @@ def unreported_factors(
         raise InputError(
             "the sector has damping matrices, which couple the modes of a mistuned disk; only modal_damping_ratio is "
             "possible here. Give a sector without damping.",
+            arguments=["sector"],
+        )
+    if sector.has_coriolis:
+        raise InputError(
+            "the sector has Coriolis forces, which the amplification factor does not contain. Give a sector without "
+            "them, or use forced_response with full_ring.",
             arguments=["sector"],
         )
     positive_number("modal_damping_ratio", modal_damping_ratio)

@@ -49,8 +49,8 @@ class SectorEquation:
         return self._products(displacement, lambda part: part.stiffness)
 
     def viscous_term(self, displacement: FloatArray) -> FloatArray:
-        """``C_h u_h``."""
-        return self._products(displacement, lambda part: part.damping)
+        """``(C_h + G_h) u_h``; Coriolis forces ``G_h`` do no work."""
+        return self._products(displacement, lambda part: part.velocity_matrix)
 
     def joint_force(self, contact: FloatArray) -> FloatArray:
         """``B_h^H f_h``."""

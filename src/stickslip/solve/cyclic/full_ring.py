@@ -135,11 +135,13 @@ def full_ring(sector: CyclicSector) -> FullRing:
         )
     parts = {
         name: {diameter: getattr(each, name) for diameter, each in sector.diameters.items()}
-        for name in ("mass", "stiffness", "damping")
+        for name in ("mass", "stiffness", "damping", "gyroscopic")
     }
     damping = None if parts["damping"][0] is None else _symmetric(block_circulant(parts["damping"], count))
     mass, stiffness = (_symmetric(block_circulant(parts[name], count)) for name in ("mass", "stiffness"))
-    return FullRing(sector, Superelement(mass, stiffness, damping))
+    whirl = None if parts["gyroscopic"][0] is None else block_circulant(parts["gyroscopic"], count)
+    gyroscopic = None if whirl is None else 0.5 * (whirl - whirl.T)
+    return FullRing(sector, Superelement(mass, stiffness, damping, gyroscopic=gyroscopic))
 
 
 def require_all_diameters(sector: CyclicSector) -> None:

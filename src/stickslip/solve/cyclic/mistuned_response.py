@@ -133,6 +133,11 @@ def unreported_mistuned(
     """:func:`mistuned_response`, for a caller that reports a curve that ends early itself."""
     require_all_diameters(sector)
     _require_no_damping(sector)
+    if sector.has_coriolis:
+        raise InputError(
+            "the sector has Coriolis forces, which the waves of the tuned disk do not contain. Solve full_ring.",
+            arguments=["sector"],
+        )
     check_options(harmonics, samples, "tractrix", modal_damping_ratio)
     positive_number("modal_damping_ratio", modal_damping_ratio)
     start, stop = (2.0 * np.pi * each for each in checked_window(frequency_hz))

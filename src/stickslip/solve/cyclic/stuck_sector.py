@@ -36,11 +36,12 @@ Matrix = NDArray[Any]  # real or complex
 
 @dataclass(frozen=True)
 class LaggedStructure:
-    """The sector with stuck contacts for one lag between sectors; Hermitian matrices (n, n).
+    """The sector with stuck contacts for one lag between sectors; Hermitian matrices (n, n), and the skew-Hermitian one
+    of Coriolis forces or None.
 
     ``pairs`` are those of the mean, ``lag`` is ``e^{i phi}``, ``operator`` (m, n) gives the relative displacements of
     the pairs, ``modes`` (n, n) are mass-normalised, and ``modal_damping`` is (n,) if they diagonalise the damping, else
-    (n, n).
+    (n, n) with the Coriolis forces.
     """
 
     pairs: ContactPairs
@@ -53,6 +54,12 @@ class LaggedStructure:
     circular_frequency: FloatArray
     modes: Matrix
     modal_damping: Matrix
+    gyroscopic: Matrix | None = None
+
+    @property
+    def velocity_matrix(self) -> Matrix:
+        """(n, n) N s/m, the damping and the gyroscopic matrix."""
+        return self.damping if self.gyroscopic is None else self.damping + self.gyroscopic
 
     @cached_property
     def contact_modes(self) -> ComplexArray:
@@ -67,7 +74,7 @@ class LaggedStructure:
     @cached_property
     def free(self) -> LinearLimit:
         """The sector without contact."""
-        return LinearLimit.of_matrices(self.mass, self.stiffness, self.damping)
+        return LinearLimit.of_matrices(self.mass, self.stiffness, self.velocity_matrix)
 
 
 @dataclass(frozen=True)
@@ -116,9 +123,11 @@ class StuckSector:
             modal = diagonal_modal_damping(damping, modes)
             if modal is None:
                 modal = modes.conj().T @ damping @ modes
+        if matrices.gyroscopic is not None:
+            modal = _as_matrix(modal) + modes.conj().T @ matrices.gyroscopic @ modes
         return LaggedStructure(
             self.pairs, self.highest_omega, lag, matrices.mass, matrices.stiffness, damping, operator, frequency, modes,
-            modal,
+            modal, matrices.gyroscopic,
         )  # fmt: skip
 
     def compliance(self, harmonics: int, near_range: float = NEAR_RANGE) -> Compliance:

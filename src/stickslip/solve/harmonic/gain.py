@@ -210,9 +210,10 @@ class DiagonalGain(_ModeGain):
 
 
 class CoupledGain(_ModeGain):
-    """Damping ``C`` (n, n) that couples the modes, or a Hermitian one (H, n, n) of each harmonic.
+    """Damping ``C`` (n, n) that couples the modes, or a complex one (H, n, n) of each harmonic.
 
-    A matrix (n, n) need not be symmetric: its skew-symmetric part are Coriolis forces, which do no work. The lowest
+    It need not be Hermitian: its skew-Hermitian part are Coriolis forces, which do no work; the complex modes of a
+    sector have it on the diagonal too. The lowest
     modes are solved together, the others by an iteration over their coupling: above the excitation their
     damping is a small part of their stiffness. Where the iteration does not converge the whole system is factored.
     """
@@ -242,7 +243,7 @@ class CoupledGain(_ModeGain):
         if self._cached is None or self._cached[0] != omega:
             p, own = self.near_modes, self._own.at(omega)
             block = 1j * (self._order * omega)[:, :, None] * self._coupling[..., :p, :p]
-            block[:, np.arange(p), np.arange(p)] = own[:, :p]
+            block[:, np.arange(p), np.arange(p)] += own[:, :p]
             self._cached = omega, np.asarray(np.linalg.inv(block), dtype=complex), np.asarray(1.0 / own[:, p:])
         return self._cached[1], self._cached[2]
 
