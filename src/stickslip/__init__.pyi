@@ -85,6 +85,8 @@ from .solve.cyclic.amplification import Amplification as Amplification
 from .solve.cyclic.amplification import amplification_factors as amplification_factors
 from .solve.cyclic.full_ring import FullRing as FullRing
 from .solve.cyclic.full_ring import full_ring as full_ring
+from .solve.cyclic.mistuned_response import MistunedResponse as MistunedResponse
+from .solve.cyclic.mistuned_response import mistuned_response as mistuned_response
 from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response
 from .solve.nonlinear_mode import nonlinear_mode as nonlinear_mode

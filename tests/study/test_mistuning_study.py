@@ -21,8 +21,10 @@ from stickslip.results.mistuning import Mistuning
 from stickslip.results.storage import load_results, save_results
 from stickslip.solve.cyclic.amplification import amplification_factors
 from stickslip.study.check import check
+from stickslip.study.mistuning import is_highest_at_end
 from stickslip.study.solution import Solution, solve_case
 from stickslip.sweeps.plan import case_hashes
+from stickslip.sweeps.run import sweep
 
 SECTORS = 20
 RANDOM = {"standard_deviation": "1 %", "patterns": 120, "seed": 3}
@@ -112,6 +114,37 @@ def test_a_limit_without_resonance_in_the_range_is_left_out() -> None:
     assert any("no contact" in warning for warning in result.warnings)
 
 
+@pytest.mark.long
+def test_the_disk_with_friction_and_its_column_in_a_sweep(tmp_path: Path) -> None:
+    content = data(standard_deviation="1 %", patterns=1, friction_curve=True)
+    content["solver"] |= {"frequency_start": "585 Hz", "frequency_stop": "603 Hz"}
+    swept = sweep(Case.from_mapping(content), {"mistuning.seed": [3, 4]}, out=tmp_path, workers=1)
+    factors = swept.table.column("amplification_factor")
+    assert not swept.table.failed
+    assert len(set(factors)) == 2
+    for factor, file in zip(factors, swept.case_files, strict=True):
+        assert file is not None
+        saved = load_results(file)
+        result = saved.response.mistuning
+        assert result is not None
+        assert result.friction_factor is not None
+        assert result.ring_amplitude is not None
+        assert factor == result.friction_factor.max() == result.factor
+        assert 1.0 < factor < result.whitehead_limit
+        assert saved.study is not None
+        assert "blade that moves most" in page(saved.response, saved.study)
+        assert [each.name for each in result.tables("mistuning")][-1] == "mistuned_curve"
+    again = sweep(Case.from_mapping(content), {"mistuning.seed": [3, 4]}, out=tmp_path, workers=1)
+    assert again.reused == 2
+
+
+def test_a_highest_amplitude_at_an_end_is_seen() -> None:
+    inside = np.array([[1.0, 2.0], [1.0, 3.0], [2.0, 1.0]])
+    assert not is_highest_at_end(inside)
+    assert is_highest_at_end(inside[1:])
+    assert is_highest_at_end(inside[:2])
+
+
 def test_check_says_what_a_run_does() -> None:
     rows = dict(row for _, section in check(case(**RANDOM)) for row in section)
     assert rows["mistuning"].startswith("120 random patterns with a standard deviation of 1 %, seed 3")
@@ -178,6 +211,11 @@ def test_a_disk_that_cannot_have_mistuning() -> None:
     content["solver"]["harmonics"] = 2
     with rejects(StudyFileError, "forces.gas.harmonic"):
         Case.from_mapping(content)
+
+
+def test_coriolis_forces_beside_mistuning() -> None:
+    with rejects(StudyFileError, "rotation.coriolis"):
+        Case.from_mapping({**data(**RANDOM), "rotation": {"speed": "3000 rpm", "coriolis": True}})
 
 
 def test_mistuning_of_a_structure_without_sectors() -> None:

@@ -348,7 +348,7 @@ class CyclicCase(SolidCase):
         yield from frd_errors(self.output, "a sector of a disk")
         yield from sector_errors(self.analysis, self.preload, self.damping, self.static_loads, self.unbalance)
         if self.mistuning is not None:
-            yield from mistuning_errors(self.damping, self.forces)
+            yield from mistuning_errors(self.damping, self.forces, self.rotation is not None and self.rotation.coriolis)
         yield from self._own_misfits((), {"forces": self.forces}, has_areas=True)
 
 

@@ -283,8 +283,15 @@ def sector_errors(
         )
 
 
-def mistuning_errors(damping: DampingSection, forces: Mapping[str, ForceSection]) -> Iterator[EntryError]:
-    """Damping and forces that a mistuned disk cannot have."""
+def mistuning_errors(
+    damping: DampingSection, forces: Mapping[str, ForceSection], has_coriolis: bool
+) -> Iterator[EntryError]:
+    """Damping, forces and Coriolis forces that a mistuned disk cannot have."""
+    if has_coriolis:
+        yield EntryError(
+            ("rotation", "coriolis"),
+            "is true, but amplification factors of [mistuning] do not contain Coriolis forces. Set it to false.",
+        )
     if damping.modal_damping_ratio is None:
         yield EntryError(
             ("damping", "modal_damping_ratio"),

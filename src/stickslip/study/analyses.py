@@ -44,7 +44,8 @@ def solve(
     """
     listener = progress or SilentProgress()
     if checks:
-        response = with_mistuning(case, model, _ANALYSES[type(case.analysis)](case, model, listener, threads), listener)
+        response = _ANALYSES[type(case.analysis)](case, model, listener, threads)
+        response = with_mistuning(case, model, response, listener, threads)
     else:
         response = forced_curve(case, model, listener, threads, checks=False, most_points=MOST_POINTS)
     return replace(response, provenance={**response.provenance, **run_provenance()})

@@ -1,4 +1,4 @@
-"""Mistuning of a study of a sector: amplification factors of the linear disk over patterns."""
+"""Mistuning of a study of a sector: amplification factors of the linear disk over patterns, and with friction."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stickslip.case.case import Case, CyclicCase
-from stickslip.core.errors import InputError
+from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
 from stickslip.model.kinds.mistuning import deviations, mistuning_words
@@ -15,16 +15,34 @@ from stickslip.model.model import ReducedModel
 from stickslip.results.mistuning import LIMITS, Mistuning
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.cyclic.amplification import Amplification, unreported_factors
+from stickslip.solve.cyclic.mistuned_response import unreported_mistuned
+from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 
 
-def with_mistuning(case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress) -> ForcedResponse:
+def with_mistuning(
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int | None
+) -> ForcedResponse:
     """The response with the amplification factors of its [mistuning], if it has any. Raises InputError."""
     if not isinstance(case, CyclicCase) or case.mistuning is None:
         return response
-    return replace(response, mistuning=_mistuning(case, model, response, progress))
+    result = _linear(case, model, response, progress)
+    if case.mistuning.friction_curve:
+        result = _with_friction(case, model, result, response.harmonics, progress, threads)
+        tuned = response.amplitude(next(iter(model.outputs.values())))
+        disks = {"mistuned": result.ring_amplitude, "tuned": tuned[:, None]}
+        ends = [name for name, each in disks.items() if each is not None and is_highest_at_end(each)]
+        if ends:
+            words = (
+                f"With friction, the {' and the '.join(ends)} disk move most at an end of the frequency range, so a "
+                "higher amplitude may be outside: widen the range of [solver]."
+            )
+            result = replace(result, warnings=(*result.warnings, words))
+    return replace(response, mistuning=result)
 
 
-def _mistuning(case: CyclicCase, model: ReducedModel, response: ForcedResponse, progress: Progress) -> Mistuning:
+def _linear(case: CyclicCase, model: ReducedModel, response: ForcedResponse, progress: Progress) -> Mistuning:
+    """The factors of both linear limits over all patterns."""
     section, sector, blade = case.mistuning, model.substructure.require_sector(), model.reduced.blade
     assert section is not None
     assert blade is not None  # the layout of a case with mistuning has its nodes
@@ -53,6 +71,51 @@ def _mistuning(case: CyclicCase, model: ReducedModel, response: ForcedResponse, 
         warnings=tuple(warnings),
         **found,
     )
+
+
+def _with_friction(
+    case: CyclicCase, model: ReducedModel, linear: Mistuning, harmonics: int, progress: Progress, threads: int | None
+) -> Mistuning:
+    """The curve of all sectors with friction for the shown pattern, over the range of [solver], beside the factors."""
+    settings, ratio, blade = case.solver, case.damping.modal_damping_ratio, model.reduced.blade
+    assert ratio is not None
+    assert blade is not None
+    try:
+        curve = unreported_mistuned(
+            model.substructure.require_sector(),
+            blade,
+            linear.deviation[linear.shown],
+            model.pairs.with_update(settings.update),
+            model.excitation,
+            next(iter(model.outputs.values())),
+            frequency_hz=(settings.frequency_start, settings.frequency_stop),
+            modal_damping_ratio=ratio,
+            harmonics=harmonics,
+            samples=settings.samples,
+            newton=NewtonSettings(tolerance=settings.tolerance),
+            continuation=ContinuationSettings(
+                largest_step=settings.largest_step,
+                smallest_step=settings.smallest_step,
+                first_step=settings.first_step,
+            ),
+            threads=threads,
+            progress=lambda fraction, detail: progress.update("Mistuned disk", fraction, detail),
+        )
+    except ConvergenceError as error:  # the factors of the linear disk are a result without it
+        words = f"The mistuned disk with friction was not solved: {error}"
+        return replace(linear, warnings=(*linear.warnings, words))
+    return replace(
+        linear,
+        ring_hz=curve.frequency_hz,
+        ring_amplitude=curve.amplitude,
+        converged=curve.converged,
+        message=f"{linear.message} With friction: {curve.message}",
+    )
+
+
+def is_highest_at_end(amplitude: FloatArray) -> bool:
+    """Whether the highest amplitude (n_points, N) of all is at the first or the last point."""
+    return int(amplitude.max(axis=1).argmax()) in (0, len(amplitude) - 1)
 
 
 def _factors(

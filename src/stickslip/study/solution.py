@@ -98,7 +98,9 @@ def solve_case(
 
 def least_complete(response: ForcedResponse) -> Ended:
     """The curve, or of the analyses beside it the first one that ended early while the curve did not."""
-    results: tuple[Ended | None, ...] = (response, response.nonlinear_mode, response.peak_ridge, response.wear)
+    results: tuple[Ended | None, ...] = (
+        response, response.nonlinear_mode, response.peak_ridge, response.wear, response.mistuning,
+    )  # fmt: skip
     return next((each for each in results if each is not None and not each.converged), response)
 
 

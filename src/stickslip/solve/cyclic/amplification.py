@@ -183,7 +183,7 @@ def unreported_factors(
             f"{row.shape}.",
             arguments=["output"],
         )
-    disk = _TunedDisk.of(sector, blade, wave, row.reshape(-1, sector.size), 2.0 * np.pi * TAKES_PART * high, pairs)
+    disk = TunedDisk.of(sector, blade, wave, row.reshape(-1, sector.size), 2.0 * np.pi * TAKES_PART * high, pairs)
     window = 2.0 * np.pi * low, 2.0 * np.pi * high
     count = sector.sectors
     if not disk.is_excited_in(window):
@@ -207,7 +207,7 @@ def unreported_factors(
 
 
 @dataclass(frozen=True)
-class _TunedDisk:
+class TunedDisk:
     """The modes of the tuned disk that take part, r in all.
 
     ``circular_frequency`` (r,); ``participation`` (N k, r) of the blades; ``output`` (N, r); ``force`` (r,).
@@ -227,7 +227,7 @@ class _TunedDisk:
         rows: FloatArray,
         highest: float,
         pairs: ContactPairs | None,
-    ) -> _TunedDisk:
+    ) -> TunedDisk:
         """From the reduced sector; modes up to ``highest`` rad/s take part.
 
         ``rows`` (1 or 2, n) are the output in this sector and in the next one.
@@ -260,14 +260,21 @@ class _TunedDisk:
         inside = (self.circular_frequency >= window[0]) & (self.circular_frequency <= window[1])
         return bool(self.force[inside].any())
 
+    def natural_omega(self, changes: FloatArray) -> FloatArray:
+        """Natural circular frequencies of the disk with changes (N, k) of the stiffness of the blades, rising."""
+        return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(self._stiffness(changes)), 0.0)))
+
+    def _stiffness(self, changes: FloatArray) -> ComplexArray:
+        matrix = self.participation.conj().T @ (changes.reshape(-1, 1) * self.participation)
+        matrix[np.diag_indices_from(matrix)] += self.circular_frequency**2
+        return np.asarray(matrix)
+
     def highest(self, changes: FloatArray, window: tuple[float, float], ratio: float) -> tuple[FloatArray, FloatArray]:
         """(N,) highest amplitude of each sector in a window (rad/s), and its circular frequency.
 
         ``changes`` (N, k) are those of the stiffness of the blades alone.
         """
-        matrix = self.participation.conj().T @ (changes.reshape(-1, 1) * self.participation)
-        matrix[np.diag_indices_from(matrix)] += self.circular_frequency**2
-        squares, modes = np.linalg.eigh(matrix)
+        squares, modes = np.linalg.eigh(self._stiffness(changes))
         omega = np.sqrt(np.maximum(squares, 0.0))
         gains = (self.output @ modes) * (modes.conj().T @ self.force)
 

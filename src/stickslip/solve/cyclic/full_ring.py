@@ -74,10 +74,7 @@ class FullRing:
             rows[:, place] += here
             rows[:, (place + 1) % count] += following
             operators.append(rows.reshape(len(rows), -1))
-        starts = np.cumsum([0, *(each.n_pairs for each in of_sectors)])
-        laws = [law for each in of_sectors for law in each.laws]
-        members = [group + start for each, start in zip(of_sectors, starts, strict=False) for group in each.members]
-        return _joined(np.vstack(operators), laws, members)
+        return joined_pairs(np.vstack(operators), of_sectors)
 
     def row(self, row: ArrayLike, sector: int = 0) -> FloatArray:
         """The row (N n,) of an output (n,) or (2n,) of one sector, such as ``CyclicSector.selector``.
@@ -174,6 +171,14 @@ def block_circulant(of_diameter: Mapping[int, Matrix], sectors: int) -> FloatArr
 def _symmetric(matrix: FloatArray) -> FloatArray:
     """The matrix without the round-off of the transform."""
     return np.asarray(0.5 * (matrix + matrix.T))
+
+
+def joined_pairs(operator: FloatArray, of_sectors: Sequence[ContactPairs]) -> ContactPairs:
+    """The pairs of all sectors, those of each after the ones before, with one operator."""
+    starts = np.cumsum([0, *(each.n_pairs for each in of_sectors)])
+    laws = [law for each in of_sectors for law in each.laws]
+    members = [group + start for each, start in zip(of_sectors, starts, strict=False) for group in each.members]
+    return _joined(operator, laws, members)
 
 
 def _joined(operator: FloatArray, laws: Sequence[ContactLaw], members: Sequence[IndexArray]) -> ContactPairs:

@@ -1,0 +1,218 @@
+"""The response of a mistuned disk with friction: all sectors, one curve, amplitudes of each sector."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.completeness import reported
+from stickslip.core.errors import InputError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.short_repr import short_repr
+from stickslip.core.threads import solver_threads, thread_count
+from stickslip.core.validation import FloatArray, finite_array, positive_number
+from stickslip.results.periodic_amplitude import periodic_amplitude
+from stickslip.solve.cyclic.amplification import TAKES_PART, TunedDisk
+from stickslip.solve.cyclic.balances import force_on_sector
+from stickslip.solve.cyclic.full_ring import require_all_diameters
+from stickslip.solve.cyclic.stuck_ring import ring_force, stuck_ring
+from stickslip.solve.cyclic.stuck_sector import wide_pairs
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.forced import WORK_PER_POINT
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.path.continuation import Branch
+from stickslip.solve.path.landmarks import Landmark
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.stepping import Accepted, ContinuationSettings
+from stickslip.solve.path.work import Work
+from stickslip.solve.setting_up import StageReport, check_options, checked_window
+from stickslip.structure.blade_alone import BladeAlone
+from stickslip.structure.cyclic_sector import CyclicSector
+
+
+@dataclass(frozen=True)
+class MistunedResponse:
+    """The curve of a mistuned disk.
+
+    Attributes
+    ----------
+    frequency_hz:
+        (n_points,) along the curve, may fold.
+    amplitude:
+        (n_points, N) m, 0-to-peak with the mean, of the output in each sector.
+    converged, message:
+        whether the curve reaches its end, and a message.
+    iterations:
+        of Newton's method, weighted with the harmonics.
+    """
+
+    frequency_hz: FloatArray
+    amplitude: FloatArray
+    converged: bool
+    message: str
+    iterations: int
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True)
+class _Resonances:
+    """The natural frequencies of both linear limits, which no step crosses unseen."""
+
+    marks: Sequence[Landmark]
+
+    def of(self, point: BalancePoint) -> Sequence[Landmark]:
+        """The same at each point."""
+        return self.marks
+
+
+def mistuned_response(
+    sector: CyclicSector,
+    blade: BladeAlone,
+    deviations: ArrayLike,
+    pairs: ContactPairs | Sequence[ContactPairs],
+    wave: Excitation,
+    output: ArrayLike,
+    *,
+    frequency_hz: tuple[float, float],
+    modal_damping_ratio: float,
+    harmonics: int = 3,
+    samples: int = 256,
+    newton: NewtonSettings | None = None,
+    continuation: ContinuationSettings | None = None,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+    raise_on_failure: bool = False,
+) -> MistunedResponse:
+    """Follow the response of a mistuned disk with friction along the frequency.
+
+    The equations are those of ``full_ring(sector).mistuned(blade, deviations)``, in the waves of the tuned disk: no
+    matrix has the size of the ring (docs/theory_mistuning.md). Viscous damping is that of the tuned disk.
+
+    Parameters
+    ----------
+    sector, blade, deviations:
+        as for :meth:`FullRing.mistuned`; deviations of one pattern.
+    pairs:
+        those of one sector, or of each; their springs at rest are the same, friction and normal loads may differ.
+    wave:
+        :meth:`Excitation.travelling_wave`, first harmonic only.
+    output:
+        (n,) or (2n,) the displacement of a sector whose amplitude is computed, such as ``CyclicSector.selector``.
+    frequency_hz, modal_damping_ratio, harmonics, samples, newton, continuation, threads, progress:
+        as for :func:`forced_response`.
+    raise_on_failure:
+        whether a curve that ends early is an error instead of a warning.
+
+    Raises
+    ------
+    InputError
+        for a sector without some nodal diameters or with damping matrices, arrays of another shape, a deviation above
+        0.3, pairs with other springs, and an excitation that does not travel. ConvergenceError without a first point,
+        and instead of a warning with ``raise_on_failure``.
+    """
+    result = unreported_mistuned(
+        sector, blade, deviations, pairs, wave, output, frequency_hz=frequency_hz,
+        modal_damping_ratio=modal_damping_ratio, harmonics=harmonics, samples=samples, newton=newton,
+        continuation=continuation, threads=threads, progress=progress,
+    )  # fmt: skip
+    return reported(result, raise_on_failure)
+
+
+def unreported_mistuned(
+    sector: CyclicSector, blade: BladeAlone, deviations: ArrayLike, pairs: ContactPairs | Sequence[ContactPairs],
+    wave: Excitation, output: ArrayLike, *, frequency_hz: tuple[float, float], modal_damping_ratio: float,
+    harmonics: int, samples: int, newton: NewtonSettings | None, continuation: ContinuationSettings | None,
+    threads: int | None, progress: ProgressCallback | None,
+) -> MistunedResponse:  # fmt: skip
+    """:func:`mistuned_response`, for a caller that reports a curve that ends early itself."""
+    require_all_diameters(sector)
+    _require_no_damping(sector)
+    if sector.has_coriolis:
+        raise InputError(
+            "the sector has Coriolis forces, which the waves of the tuned disk do not contain. Solve full_ring.",
+            arguments=["sector"],
+        )
+    check_options(harmonics, samples, "tractrix", modal_damping_ratio)
+    positive_number("modal_damping_ratio", modal_damping_ratio)
+    start, stop = (2.0 * np.pi * each for each in checked_window(frequency_hz))
+    row = _wide_row(finite_array("output", output), sector)
+    of_sectors = _of_sectors(pairs, sector)
+    if wave.wave is None:
+        raise InputError(
+            "wave is an excitation that does not travel; give one of Excitation.travelling_wave.", arguments=["wave"]
+        )
+    force = ring_force(force_on_sector(sector, wave, wave.wave, harmonics).coefficients(1.0), wave.wave, sector.sectors)
+    report, settings, newton = StageReport(progress), continuation or ContinuationSettings(), newton or NewtonSettings()
+    pattern = finite_array("deviations", deviations)
+    rows = sector.sectors * len(of_sectors[0].operator)
+    limits = [
+        TunedDisk.of(sector, blade, wave, row.reshape(2, -1), TAKES_PART * max(start, stop), contact)
+        for contact in (of_sectors[0], None)
+    ]
+    with solver_threads(rows, thread_count(threads)):
+        report.stage(f"waves of the disk, {sector.sectors} of {sector.size} unknowns", 0.0)
+        ring = stuck_ring(sector, blade, pattern, of_sectors, row, max(start, stop), modal_damping_ratio)
+        balance = ring.balance(force, samples)
+        work = Work(2 * harmonics + 1, WORK_PER_POINT * settings.max_points)
+        curve = FrequencyCurve(balance, work=work)
+        solver = Newton(curve, newton, report.iteration)
+        marks = [
+            Landmark(float(omega), 2.0 * modal_damping_ratio * float(omega))
+            for disk in limits
+            for omega in disk.natural_omega(blade.stiffness_changes(pattern, sector.sectors))
+            if omega > 0.0
+        ]
+
+        def listen(event: object) -> None:
+            if isinstance(event, Accepted):
+                at = float(event.point.trial.omega)
+                report.stage(f"{at / (2.0 * np.pi):.2f} Hz", abs(at - start) / abs(stop - start))
+
+        first, how = first_point(solver, curve, start, lambda few: ring.balance(force.with_harmonics(few), samples))
+        branch = Branch(solver, first, stop, settings, listen, _Resonances(marks), work=work)
+        branch.follow()
+        trials = [each.point.trial for each in branch.points]
+        amplitude = [periodic_amplitude(ring.outputs(each.amplitude, each.deviation).T) for each in trials]
+    return MistunedResponse(
+        np.array([each.omega for each in trials]) / (2.0 * np.pi), np.array(amplitude), branch.complete,
+        f"{how} {branch.message}", round(work.total),
+    )  # fmt: skip
+
+
+def _require_no_damping(sector: CyclicSector) -> None:
+    if any(each.damping is not None for each in sector.diameters.values()):
+        raise InputError(
+            "the sector has damping matrices; only modal_damping_ratio is possible here. Give a sector without "
+            "damping, or solve full_ring.",
+            arguments=["sector"],
+        )
+
+
+def _wide_row(row: FloatArray, sector: CyclicSector) -> FloatArray:
+    """The row (2n,) of an output (n,) or (2n,). Raises InputError for another size."""
+    if row.shape not in ((sector.size,), (2 * sector.size,)):
+        raise InputError(
+            f"output must have shape ({sector.size},), or ({2 * sector.size},) with the next sector, but its shape is "
+            f"{row.shape}.",
+            arguments=["output"],
+        )
+    return np.append(row, np.zeros(2 * sector.size - row.size))
+
+
+def _of_sectors(pairs: ContactPairs | Sequence[ContactPairs], sector: CyclicSector) -> list[ContactPairs]:
+    """The pairs of each sector with operators (m, 2n). Raises InputError for another number of sectors."""
+    count = sector.sectors
+    listed = [pairs] * count if isinstance(pairs, ContactPairs) else list(pairs)
+    if len(listed) != count:
+        raise InputError(
+            f"pairs are those of {len(listed)} sectors, but the disk has {count}: give the pairs of one sector, or of "
+            "each.",
+            arguments=["pairs"],
+        )
+    return [wide_pairs(each, sector.size) for each in listed]

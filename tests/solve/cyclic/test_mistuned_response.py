@@ -1,0 +1,155 @@
+"""A mistuned disk with friction in waves, against the full ring as an ordinary structure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sectors import BLADE, OWN, SmallDisk, node
+from sentences import rejects
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import InputError
+from stickslip.solve.cyclic.balances import force_on_sector
+from stickslip.solve.cyclic.full_ring import full_ring
+from stickslip.solve.cyclic.mistuned_response import mistuned_response
+from stickslip.solve.cyclic.stuck_ring import ring_force, stuck_ring
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.forced import forced_response
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.setting_up import prepare_balances
+from stickslip.structure.blade_alone import BladeAlone
+from stickslip.structure.superelement import Superelement
+
+SECTORS, HARMONICS, RATIO = 5, 2, 0.004
+WINDOW = (60.0, 130.0)
+HIGHEST = 2.0 * np.pi * WINDOW[1]
+DISK = SmallDisk.of(SECTORS, damped=False)
+WAVE = Excitation.travelling_wave(2, DISK.force_cos[:, :1], DISK.force_sin[:, :1])
+DEVIATIONS = np.array([0.02, -0.03, 0.0, 0.01, 0.015])
+ROW = np.zeros(OWN)
+ROW[node(BLADE)] = [1.0, 0.5, 0.0]
+
+
+def blade() -> BladeAlone:
+    """Two modes of the blade alone; their participation may be any matrix."""
+    random = np.random.default_rng(5)
+    parts = {d: random.standard_normal((2, OWN)) + 1j * (d > 0) * random.standard_normal((2, OWN)) for d in range(3)}
+    return BladeAlone(np.array([70.0, 110.0]), {d: 0.2 * part for d, part in parts.items()})
+
+
+BLADES = blade()
+
+
+def dampers() -> list[ContactPairs]:
+    """Those of one sector have less load."""
+    weak = DISK.pairs.with_constants(normal_load=0.5 * DISK.pairs.normal_load)
+    return [weak, *(SECTORS - 1) * [DISK.pairs]]
+
+
+def mistuned_ring() -> Superelement:
+    """The ring with the viscous damping of the tuned disk."""
+    ring = full_ring(DISK.sector)
+    tuned = prepare_balances(
+        ring.superelement, ring.joint(dampers()), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, RATIO, "tractrix",
+        lambda stage: None,
+    )  # fmt: skip
+    return replace(ring.mistuned(BLADES, DEVIATIONS).superelement, damping=tuned.stuck.damping)
+
+
+def both() -> tuple[Balance, Balance]:
+    """The balance in waves, and that of the ring."""
+    wave = WAVE.wave
+    assert wave is not None
+    force = ring_force(force_on_sector(DISK.sector, WAVE, wave, HARMONICS).coefficients(1.0), wave, SECTORS)
+    wide = np.append(ROW, np.zeros(OWN))
+    stuck = stuck_ring(DISK.sector, BLADES, DEVIATIONS, dampers(), wide, HIGHEST, RATIO)
+    ring = full_ring(DISK.sector)
+    of_ring = prepare_balances(
+        mistuned_ring(), ring.joint(dampers()), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, None, "tractrix",
+        lambda stage: None,
+    )  # fmt: skip
+    return stuck.balance(force, 64), of_ring.with_harmonics(HARMONICS)
+
+
+def assert_close(one: Any, other: Any) -> None:
+    np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
+
+
+def test_the_equation_is_that_of_the_ring() -> None:
+    waves, ring = both()
+    omega = 2.0 * np.pi * 83.0
+    linear = ring.linear(omega)
+    assert_close(waves.linear(omega), linear)
+    trial, expected = (each.evaluate(2.0 * linear, omega) for each in (waves, ring))
+    assert expected.contact.moves.any()
+    assert_close(trial.residual, expected.residual)
+    assert_close(waves.frequency_slope(trial), ring.frequency_slope(expected))
+
+
+def test_newtons_matrix_is_that_of_the_ring() -> None:
+    operators = [each.compliance.newton(2.0 * np.pi * 83.0, np.arange(0, 6 * SECTORS, 2)) for each in both()]
+    random = np.random.default_rng(1)
+    deviation, weights = (random.standard_normal((2 * HARMONICS + 1, size)) for size in (3 * SECTORS, 6 * SECTORS))
+    rows = np.arange(1, 6 * SECTORS, 3)
+    for answer in (
+        lambda each: each.apply(deviation),
+        lambda each: each.apply_transposed(weights),
+        lambda each: each.mean,
+        lambda each: each.block(1, rows),
+        lambda each: each.block(2, rows),
+    ):
+        assert_close(*map(answer, operators))
+
+
+@pytest.mark.slow
+def test_the_curve_is_that_of_the_ring() -> None:
+    settings: dict[str, Any] = {"frequency_hz": WINDOW, "harmonics": HARMONICS, "samples": 64}
+    found = mistuned_response(
+        DISK.sector, BLADES, DEVIATIONS, dampers(), WAVE, ROW, modal_damping_ratio=RATIO, **settings
+    )
+    assert found.converged
+    ring = full_ring(DISK.sector)
+    expected = forced_response(mistuned_ring(), ring.joint(dampers()), ring.excitation(WAVE), checks=False, **settings)
+    assert (expected.contact_state.max(axis=0) > 0).all()
+    amplitude = [expected.amplitude(ring.row(ROW, sector)) for sector in range(SECTORS)]
+    highest = found.amplitude.max(axis=0)
+    np.testing.assert_allclose(highest, np.max(amplitude, axis=1), rtol=3e-3)  # points of the two curves differ
+    assert highest.max() > 1.05 * highest.min()
+
+
+@pytest.mark.slow
+def test_equal_blades_have_one_amplitude() -> None:
+    # 60 samples: five sectors are sampled at the same instants of their motion
+    found = mistuned_response(
+        DISK.sector, BLADES, np.zeros(SECTORS), DISK.pairs, WAVE, ROW, frequency_hz=WINDOW, harmonics=1, samples=60,
+        modal_damping_ratio=RATIO,
+    )  # fmt: skip
+    assert found.converged
+    np.testing.assert_allclose(found.amplitude, found.amplitude[:, :1] * np.ones(SECTORS), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "argument"),
+    [
+        ({"pairs": [DISK.pairs]}, "pairs"),
+        (
+            {"pairs": [DISK.pairs.with_constants(normal_stiffness=np.full(2, 1e5)), *(SECTORS - 1) * [DISK.pairs]]},
+            "pairs",
+        ),
+        ({"wave": Excitation.force(DISK.force_cos[:, :1])}, "wave"),
+        ({"output": ROW[1:]}, "output"),
+        ({"sector": SmallDisk.of(SECTORS).sector}, "sector"),
+        ({"deviations": DEVIATIONS[1:]}, "deviations"),
+    ],
+    ids=["few sectors", "springs", "wave", "output", "damping", "deviations"],
+)
+def test_input_that_cannot_be_used(changes: dict[str, Any], argument: str) -> None:
+    given: dict[str, Any] = {
+        "sector": DISK.sector, "blade": BLADES, "deviations": DEVIATIONS, "pairs": DISK.pairs, "wave": WAVE,
+        "output": ROW,
+    }  # fmt: skip
+    with rejects(InputError, argument):
+        mistuned_response(**given | changes, frequency_hz=WINDOW, modal_damping_ratio=RATIO)
