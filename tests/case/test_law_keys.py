@@ -52,6 +52,11 @@ def changed(changes: dict[str, Any]) -> Case:
     return Case.from_mapping(data)
 
 
+def test_a_study_without_interfaces_says_what_to_give() -> None:
+    with rejects(ss.StudyFileError):
+        case_of()
+
+
 def test_values_are_in_si_and_come_back_from_mapping_text_and_pickle() -> None:
     case = case_of(interface_text("joint", "cubic"))
     constants = case.interfaces["joint"].constants  # type: ignore[attr-defined]

@@ -171,7 +171,11 @@ def joint_errors(
     ``pressed`` are the names of those whose stiffness follows from their pressure.
     """
     if not interfaces:
-        yield EntryError(("interfaces",), "has no entry. Give at least one section [interfaces.NAME].")
+        yield EntryError(
+            ("interfaces",),
+            'has no entry. Give at least one section [interfaces.NAME]; in a file of "stickslip new --from", complete '
+            "its lines with # GIVE.",
+        )
     for name, each in interfaces.items():
         where = ("interfaces", name)
         solved = preload.method == "solved"
