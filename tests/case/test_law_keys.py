@@ -53,7 +53,7 @@ def changed(changes: dict[str, Any]) -> Case:
 
 
 def test_a_study_without_interfaces_says_what_to_give() -> None:
-    with rejects(ss.StudyFileError):
+    with rejects(ss.StudyFileError, "interfaces"):
         case_of()
 
 
