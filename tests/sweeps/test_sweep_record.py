@@ -118,3 +118,8 @@ def test_two_sweeps_are_one_table_and_report_writes_every_page(tmp_path: Path, m
     table = text[text.index('<table class="cases">') :].partition("</table>")[0]
     assert len(links) == 2, (result.output, sorted(map(str, tmp_path.rglob("*"))), table)
     assert all((tmp_path / link).exists() for link in links)
+    (tmp_path / "cases" / Path(links[0]).parent.name / "results.nc").unlink()
+    result = CliRunner().invoke(cli.app, ["report", str(tmp_path)])
+    assert result.exit_code == ResultsFileError.exit_code
+    assert Path(links[0]).parent.name in result.stderr
+    assert (tmp_path / "sweep.html").read_text(encoding="utf-8").count('<a href="cases/') == 1

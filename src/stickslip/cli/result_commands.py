@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from stickslip.cli.errors import Debug, error_messages
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.terminal import echo
 
 
@@ -25,8 +25,13 @@ def report(
         from stickslip.study import run as study
         from stickslip.sweeps import again
 
-        for file in again.report_sweep(folder) if again.is_sweep(folder) else study.report(folder):
+        lost: list[str] = []
+        for file in again.report_sweep(folder, lost=lost) if again.is_sweep(folder) else study.report(folder):
             echo(f"Wrote {file}")
+        if lost:
+            raise ResultsFileError(
+                f"the page of the sweep lacks the results of {len(lost)} cases. The first: {lost[0]}"
+            )
 
 
 def compare(

@@ -26,17 +26,18 @@ def is_sweep(folder: Path) -> bool:
     return read_record(folder) is not None
 
 
-def report_sweep(folder: Path, renew: bool = True) -> Iterator[Path]:
+def report_sweep(folder: Path, renew: bool = True, lost: list[str] | None = None) -> Iterator[Path]:
     """Write the page of each solved case, then that of the sweep; yields each page as soon as it is written.
 
-    Without ``renew`` pages of cases that exist remain. Raises ResultsFileError for a folder without a sweep or with a
+    Without ``renew`` pages of cases that exist remain. ``lost`` receives a sentence for each case whose result is
+    missing or damaged. Raises ResultsFileError for a folder without a sweep or with a
     damaged record, InputError if a page cannot be written.
     """
     record = read_record(folder)
     if record is None:
         raise ResultsFileError(f'the folder "{folder}" contains no sweep.')
     cases = SweepFolder(folder)
-    outcomes = [_outcome(cases, case) for case in record.cases]
+    outcomes = [_outcome(cases, case, [] if lost is None else lost) for case in record.cases]
     rows = []
     for case, outcome in zip(record.cases, outcomes, strict=True):
         file = ""
@@ -55,8 +56,11 @@ def report_sweep(folder: Path, renew: bool = True) -> Iterator[Path]:
     yield folder / PAGE_FILE
 
 
-def _outcome(cases: SweepFolder, case: StoredCase) -> CaseOutcome:
-    """The stored outcome of a case; a failed one if it is missing or damaged."""
+def _outcome(cases: SweepFolder, case: StoredCase, lost: list[str]) -> CaseOutcome:
+    """The stored outcome of a case; a failed one, with a sentence in ``lost``, if it is missing or damaged."""
     outcome, trouble = cases.stored(case.name, case.key)
-    words = trouble or "This case has no stored result; start the sweep again to solve it."
-    return outcome or CaseOutcome(converged=False, message=words, measures={})
+    if outcome is not None:
+        return outcome
+    words = f"{trouble or 'This case has no stored result.'} Start the sweep again to solve it."
+    lost.append(f"{case.name}: {words}")
+    return CaseOutcome(converged=False, message=words, measures={})

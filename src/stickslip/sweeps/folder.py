@@ -79,10 +79,11 @@ class SweepFolder:
 
     def finished(self, planned: PlannedCase) -> tuple[CaseOutcome | None, str]:
         """The outcome of an earlier sweep for these inputs and this version, or None; and a message on a wrong file."""
-        return self.stored(planned.name, planned.key)
+        outcome, trouble = self.stored(planned.name, planned.key)
+        return outcome, f"{trouble} This case is solved again." if trouble else ""
 
     def stored(self, name: str, key: str) -> tuple[CaseOutcome | None, str]:
-        """The same for the name and the key of a case."""
+        """The outcome of the case with a name and a key, or None; and a message on a missing part or a wrong file."""
         results = self.path / CASES_FOLDER / name / RESULTS_FILE
         remove_abandoned(results.parent)
         row, failed = results.with_name(ROW_FILE), results.with_name(FAILED_FILE)
@@ -93,7 +94,7 @@ class SweepFolder:
                 message = str(read_sealed(failed, key)["message"])
                 return CaseOutcome(converged=False, message=message, measures={}), ""
         except ResultsFileError as error:
-            return None, f"{error} This case is solved again."
+            return None, str(error)
         return None, ""
 
 
