@@ -88,7 +88,7 @@ def test_check_shows_bodies_sets_pairs_and_frequencies() -> None:
     assert "8200 kg/m^3" in sizes["body damper"]
     assert sizes["contact pairs"] == "48 on 2 faces"
     assert "beam_top" in sizes["face sets"]
-    assert dict(sections["Derived quantities"])["Area of the pairs, sole"] == "160 mm2"
+    assert dict(sections["Derived quantities"])["Area of the pairs, sole"] == "160 mm²"
 
 
 def test_forces_loads_and_outputs_of_sets() -> None:
