@@ -13,7 +13,8 @@ import numpy as np
 import scipy.linalg
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_harmonics import HarmonicForce, harmonic_force, harmonic_tangent
+from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -76,7 +77,9 @@ def _model(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray, ContactPair
     return mass, stiffness, pairs, np.tile(area, 2)
 
 
-def _dynamic_stiffness(mass, damping, stiffness, omega, harmonics):
+def _dynamic_stiffness(
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, omega: float, harmonics: int
+) -> FloatArray:
     n = len(mass)
     blocks = [stiffness]
     for order in range(1, harmonics + 1):
@@ -113,7 +116,7 @@ def synthetic_response(
     first = flap[0]
     fine = first * (1 + 0.004 * np.sinh(np.linspace(-2.6, 2.2, n_points)))
 
-    def balance(x, omega):
+    def balance(x: FloatArray, omega: float) -> tuple[FloatArray, HarmonicForce, FloatArray, FloatArray]:
         coefficients = (pairs.operator @ x).reshape(pairs.n_pairs, 3, n_col)
         contact = harmonic_force(coefficients, pairs, samples)
         linear = _dynamic_stiffness(mass, damping, stiffness, omega, harmonics)
@@ -197,7 +200,14 @@ def _work(force: np.ndarray, displacement: np.ndarray, order: np.ndarray) -> np.
     return np.pi * (order * product).reshape(len(force), -1).sum(axis=1)
 
 
-def _linear(mass, damping, stiffness, force, frequency_hz, harmonics):
+def _linear(
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+    force: FloatArray,
+    frequency_hz: FloatArray,
+    harmonics: int,
+) -> FloatArray:
     """(q, n, 2H+1) of a linear structure under the first harmonic."""
     answer = np.zeros((len(frequency_hz), *force.shape))
     for i, frequency in enumerate(frequency_hz):

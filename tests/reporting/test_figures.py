@@ -1,6 +1,7 @@
 """Figures for files: they draw what the response holds, and are written in the formats promised."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,15 +11,17 @@ from stickslip.contact.stiffness.roughness_fit import RoughnessFit
 from stickslip.core.errors import InputError
 from stickslip.reporting import figures
 from stickslip.reporting.style import STATES, energy_unit, number
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
 from synthetic import synthetic_response, synthetic_study
 
 
 @pytest.fixture(scope="module")
-def case():
+def case() -> tuple[ForcedResponse, StudyRecord]:
     return synthetic_response(), synthetic_study()
 
 
-def test_amplitude_frequency_draws_three_curves_and_the_peak(case):
+def test_amplitude_frequency_draws_three_curves_and_the_peak(case: tuple[ForcedResponse, StudyRecord]) -> None:
     axes = figures.amplitude_frequency(*case).axes[0]
     labels = [line.get_label() for line in axes.lines]
     assert labels[:3] == ["linear, all stuck", "linear, no contact", "with friction"]
@@ -29,7 +32,7 @@ def test_amplitude_frequency_draws_three_curves_and_the_peak(case):
     assert "0-to-peak, µm" in axes.get_ylabel()
 
 
-def test_contact_states_put_every_pair_once_with_its_shape(case):
+def test_contact_states_put_every_pair_once_with_its_shape(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     for point in (0, 25):
         panels = figures.contact_states(response, study, point).axes
@@ -41,7 +44,7 @@ def test_contact_states_put_every_pair_once_with_its_shape(case):
     assert len({state.matplotlib_marker for state in STATES}) == len({state.plotly_symbol for state in STATES}) == 3
 
 
-def test_loop_encloses_the_energy_of_its_pair(case):
+def test_loop_encloses_the_energy_of_its_pair(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     point = int(response.dissipated_energy.sum(axis=1).argmax())
     pair = int(response.dissipated_energy[point].argmax())
@@ -69,7 +72,7 @@ def test_structure_function_draws_measurement_and_fit_of_each_direction() -> Non
 
 
 @pytest.mark.slow
-def test_all_figures_are_written(case, tmp_path):
+def test_all_figures_are_written(case: tuple[ForcedResponse, StudyRecord], tmp_path: Path) -> None:
     written = figures.save_all(tmp_path, *case, formats=("svg",))
     assert {path.name for path in written} == {
         f"{name}.svg"
@@ -87,7 +90,7 @@ def test_all_figures_are_written(case, tmp_path):
 
 
 @pytest.mark.slow
-def test_png_pdf_and_rejected_endings(case, tmp_path):
+def test_png_pdf_and_rejected_endings(case: tuple[ForcedResponse, StudyRecord], tmp_path: Path) -> None:
     figure = figures.energy_curve(*case)
     assert figures.save(figure, tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert figures.save(figure, tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
@@ -97,7 +100,7 @@ def test_png_pdf_and_rejected_endings(case, tmp_path):
         figures.save(figure, tmp_path / "none" / "a.png")
 
 
-def test_mode_comparison_names_the_reference_and_needs_one(case):
+def test_mode_comparison_names_the_reference_and_needs_one(case: tuple[ForcedResponse, StudyRecord]) -> None:
     axes = figures.mode_comparison(case[1]).axes[0]
     assert axes.get_title() == "Natural frequencies against modal test of the two blades"
     assert axes.patches[6].get_height() == pytest.approx(100 * (3534.42 / 3559.8 - 1))  # type: ignore[attr-defined]

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -243,7 +244,7 @@ def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
-def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width: int) -> None:
+def test_the_page_draws_itself_without_network(browser: Any, sweep_file: Path, width: int) -> None:
     with opened_page(browser, sweep_file, width) as page:
         assert page.locator(".js-plotly-plot").count() == 1 + 2 + 2 + 2
         require_readable(page)
@@ -252,7 +253,7 @@ def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width:
 
 
 @pytest.mark.slow
-def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
+def test_the_keyboard_reaches_everything(browser: Any, sweep_file: Path) -> None:
     with opened_page(browser, sweep_file) as page:
         stops = tab_stops(page)
         assert stops[0]["name"] == "Contents"
@@ -265,7 +266,7 @@ def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_large_sweep_stays_small_and_draws_every_curve(browser, tmp_path: Path) -> None:
+def test_a_large_sweep_stays_small_and_draws_every_curve(browser: Any, tmp_path: Path) -> None:
     loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
     view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)], points=2001)
     path = tmp_path / "sweep.html"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from model_writers import STEEL_MM, write_bdf, write_inp, write_meshio, write_parts
+from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.read import read_model
 from stickslip.structure.elasticity import Material, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry
@@ -32,7 +33,7 @@ WRITERS = {
 }
 
 
-def two_bodies(make_block, quadratic):
+def two_bodies(make_block: Callable[..., Mesh], quadratic: bool) -> Mesh:
     """Two blocks one above the other, with nodes of their own where they touch."""
     lower = make_block((3, 2, 1), (0.06, 0.03, 0.01), 0.1)
     cells = np.vstack([lower.cells, lower.cells + lower.n_nodes])
@@ -48,7 +49,7 @@ def two_bodies(make_block, quadratic):
     return in_order_of_bodies(mesh.quadratic()) if quadratic else mesh
 
 
-def in_order_of_bodies(mesh):
+def in_order_of_bodies(mesh: Mesh) -> Mesh:
     """The mesh with the nodes of the first body before those of the second, as a deck with parts has them."""
     order = np.concatenate([np.unique(mesh.cells[mesh.body == body]) for body in (0, 1)])
     number = np.argsort(order)
@@ -59,7 +60,7 @@ def in_order_of_bodies(mesh):
 @pytest.mark.slow
 @pytest.mark.parametrize("quadratic", [False, True], ids=["linear", "quadratic"])
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_model_comes_back(tmp_path, make_block, name, quadratic):
+def test_a_model_comes_back(tmp_path: Path, make_block: Callable[..., Mesh], name: str, quadratic: bool) -> None:
     mesh = two_bodies(make_block, quadratic)
     file, write, options = WRITERS[name]
     path = tmp_path / file
@@ -96,7 +97,7 @@ def test_a_model_comes_back(tmp_path, make_block, name, quadratic):
     assert frequency_hz[5] < 1e-2 * frequency_hz[6]
 
 
-def reference_volumes(mesh, quadratic):
+def reference_volumes(mesh: Mesh, quadratic: bool) -> FloatArray:
     structure = assemble(mesh, STEEL, "serendipity" if quadratic else "incompatible", fixed_nodes=[])
     answer = []
     for body in (0, 1):
