@@ -8,6 +8,7 @@ lean on the solver of the package.
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -88,8 +89,8 @@ def _dynamic_stiffness(
         blocks.append(np.block([[diagonal, cross], [-cross, diagonal]]))
     matrix = scipy.linalg.block_diag(*blocks)
     # unknowns are stored (n, 2H+1); the blocks above hold (2H+1, n)
-    order = np.arange(n * (2 * harmonics + 1)).reshape(2 * harmonics + 1, n).T.ravel()
-    return matrix[np.ix_(order, order)]
+    position = np.arange(n * (2 * harmonics + 1)).reshape(2 * harmonics + 1, n).T.ravel()
+    return np.asarray(matrix[np.ix_(position, position)])
 
 
 @cache
@@ -125,7 +126,7 @@ def synthetic_response(
         return coefficients, contact, linear, residual
 
     x = _linear(mass, damping, stuck, force, fine[:1], harmonics)[0]
-    rows_out = {
+    rows_out: dict[str, list[Any]] = {
         name: []
         for name in ("x", "state", "energy", "closure", "residual", "iterations", "input", "viscous", "kinetic")
     }
@@ -197,7 +198,7 @@ def synthetic_response(
 def _work(force: np.ndarray, displacement: np.ndarray, order: np.ndarray) -> np.ndarray:
     """(m,) J per cycle that a force (m, ..., 2H+1) does on a displacement, over harmonics and directions."""
     product = displacement[..., 2::2] * force[..., 1::2] - displacement[..., 1::2] * force[..., 2::2]
-    return np.pi * (order * product).reshape(len(force), -1).sum(axis=1)
+    return np.asarray(np.pi * (order * product).reshape(len(force), -1).sum(axis=1))
 
 
 def _linear(

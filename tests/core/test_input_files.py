@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -27,7 +28,7 @@ from stickslip.formats.profile_file import read_profile
 from stickslip.results.storage import load_results
 
 ZEROS = 3_000_000_000  # bytes that the bombs would unpack to
-READERS = {
+READERS: dict[str, Callable[[Path], object]] = {
     **{f"k{ending}": lambda path: read_matrices(path, path) for ending in (".mtx", ".npy", ".npz", ".mat", ".sti")},
     **{f"k{ending}": lambda path: read_matrices(path, path) for ending in (".hb", ".op4", ".full")},
     **{f"m{ending}": lambda path: read_model(path, "mm") for ending in (".inp", ".bdf", ".msh", ".vtu", ".med")},
@@ -81,10 +82,10 @@ def test_the_opener(tmp_path: Path) -> None:
     assert read_regular(tmp_path / "file") == b"content"
     with pytest.raises(UnsuitableFileError) as caught:
         read_regular(tmp_path / "file", 6)
-    printed_sentence(caught.value.strerror)
+    printed_sentence(str(caught.value.strerror))
     with pytest.raises(UnsuitableFileError) as caught:
         open_regular(tmp_path)
-    printed_sentence(caught.value.strerror)
+    printed_sentence(str(caught.value.strerror))
     with pytest.raises(FileNotFoundError):
         open_regular(tmp_path / "nowhere")
 
@@ -112,6 +113,7 @@ def zip_of_zeros(path: Path) -> None:
         entry.CRC = 0
         entry.file_size = len(head.getvalue()) + size * size * 8
         entry.header_offset = 0
+        assert archive.fp is not None
         archive.fp.write(entry.FileHeader(zip64=False) + packed)
         archive.filelist.append(entry)
         archive.start_dir = archive.fp.tell()
@@ -237,7 +239,7 @@ def test_an_error_shows_no_line_of_a_file_that_is_another_one(tmp_path: Path) ->
     (tmp_path / "passwd").write_text("root:x:0:0:root 1.5\nme:x:1 2:secret\n")
     np.save(tmp_path / "k.npy", np.eye(6))
     for keys in ({"unknown_map": "passwd"}, {"node_positions": "passwd"}):
-        files = {key: tmp_path / name for key, name in keys.items()}
+        files: dict[str, Any] = {key: tmp_path / name for key, name in keys.items()}
         with rejects(ImportFileError, *keys) as caught:
             read_matrices(tmp_path / "k.npy", tmp_path / "k.npy", **files)
         assert "root:" not in str(caught.value)

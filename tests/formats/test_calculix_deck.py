@@ -109,8 +109,10 @@ def test_tetrahedra_and_wedges_differ_by_the_points_of_their_quadrature(compared
     own = scattered(unknowns, stiff, 3 * compared.mesh.n_nodes)[free][:, free]
     if compared.element != "C3D6":
         assert abs(own - structure.stiffness).max() <= 1e-12 * abs(own).max()
-    structure = SimpleNamespace(full_size=3 * compared.mesh.n_nodes, free_unknowns=free, stiffness=own, mass=whole)
-    stiffness, mass, _ = tied(structure, compared.pairs)
+    scattered_structure: Any = SimpleNamespace(
+        full_size=3 * compared.mesh.n_nodes, free_unknowns=free, stiffness=own, mass=whole
+    )
+    stiffness, mass, _ = tied(scattered_structure, compared.pairs)
     order = np.argsort(3 * (compared.model.node - 1) + compared.model.direction)
     assert abs(stiffness - compared.model.stiffness[order][:, order]).max() <= 1e-12 * abs(stiffness).max()
     assert abs(mass - compared.model.mass[order][:, order]).max() <= 1e-12 * abs(mass).max()
@@ -171,7 +173,7 @@ def test_deck_names_sets_supports_ties_and_step(tmp_path: Path) -> None:
 )
 def test_bad_options(tmp_path: Path, options: dict[str, Any], keys: tuple[str, ...]) -> None:
     mesh, _ = blades("hexahedron", COARSE)
-    arguments = {"path": "deck.inp", "mesh": mesh, "materials": Material()} | options
+    arguments: dict[str, Any] = {"path": "deck.inp", "mesh": mesh, "materials": Material()} | options
     arguments["path"] = tmp_path / arguments["path"]
     with rejects(InputError, *keys):
         write_calculix_deck(**arguments)

@@ -4,6 +4,7 @@ import base64
 import dataclasses
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -12,6 +13,7 @@ import plotly.graph_objects
 import pytest
 
 from browser_pages import LARGEST_PAGE
+from helpers import matched
 from large_results import large_result
 from sentences import rejects
 from sketches import stacked_boxes
@@ -112,7 +114,15 @@ def test_failure_and_warnings_are_prominent(case: tuple[ForcedResponse, StudyRec
 def test_peak_at_the_end_of_the_range_is_a_warning(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     half = 12
-    parts = ("frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure", "residual")
+    parts: tuple[str, ...] = (
+        "frequency_hz",
+        "displacement",
+        "contact_state",
+        "dissipated_energy",
+        "normal_work",
+        "closure",
+        "residual",
+    )
     parts += ("iterations", "input_energy", "viscous_energy", "load_factor", "kinetic_energy", "part")
     cut = dataclasses.replace(response, **{name: getattr(response, name)[:half] for name in parts})
     text = without_plotly(page(cut, study))
@@ -128,7 +138,7 @@ def test_text_of_the_user_cannot_break_the_page(case: tuple[ForcedResponse, Stud
     text = without_plotly(page(response, nasty))
     assert "alert(1)</script>" not in text
     assert "&lt;b&gt;T&lt;/b&gt; {{data}}" in text
-    assert json.loads(re.search(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))["points"] == 40
+    assert json.loads(matched(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))["points"] == 40
 
 
 def test_figures_are_valid_plotly(case: tuple[ForcedResponse, StudyRecord]) -> None:
@@ -190,6 +200,7 @@ def test_maps_and_loops_are_thinned_to_the_room_and_keep_the_peak(
     assert whole["mapPoints"] == whole["loops"]["points"] == list(range(case[0].n_points))
     fixed = page_data_module.PAIR_CHARACTERS * 110 + page_data_module.POINT_CHARACTERS * 40
     fixed += sum(len(text) for text in whole["signals"].values())
+    assert case[1].rough_patch is not None
     fixed += page_data_module.HEIGHT_CHARACTERS * case[1].rough_patch.height.size
     for room, most_maps in ((400_000, 40), (30_000, 39)):
         monkeypatch.setattr(page_data_module, "DATA_CHARACTERS", fixed + room)
@@ -215,7 +226,7 @@ def test_no_page_grows_beyond_its_limit(n_pairs: int, n_points: int) -> None:
     assert response.pairs.n_pairs >= n_pairs
     text = page(response, study)
     assert len(text.encode()) < LARGEST_PAGE
-    data = json.loads(re.search(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))
+    data = json.loads(matched(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))
     assert data["loops"]["points"]
     assert 1 < len(data["mapPoints"]) <= n_points
 
@@ -234,7 +245,8 @@ def test_the_rough_face_is_drawn_about_its_mean_in_mm_and_um(
     case: tuple[ForcedResponse, StudyRecord], text: str
 ) -> None:
     patch = case[1].rough_patch
-    figure = json.loads(re.search(r'id="page-figures">(.*?)</script>', text, flags=re.S).group(1))["rough-map"]
+    assert patch is not None
+    figure = json.loads(matched(r'id="page-figures">(.*?)</script>', text, flags=re.S).group(1))["rough-map"]
     drawn = figure["data"][0]
     assert np.shape(drawn["z"]) == (40, 140)
     np.testing.assert_allclose(drawn["z"], 1e6 * (patch.height - patch.height.mean()), rtol=1e-3)
@@ -277,7 +289,7 @@ def test_digits_of_tables(case: tuple[ForcedResponse, StudyRecord]) -> None:
     assert re.findall(r"<td>(.*?)</td>", table) == ["452.34", "1.586", "0.8123"]
     modes = text[text.index("<h2>Natural frequencies") : text.index("<h2>Measures")]
     assert all(re.fullmatch(r"\d+\.\d\d", value) for value in re.findall(r"<td>(\d{3,}\.\d+)</td>", modes))
-    measured = re.search(r">Highest peak on the curve: frequency</th><td>(.*?) Hz<", text).group(1)
+    measured = matched(r">Highest peak on the curve: frequency</th><td>(.*?) Hz<", text).group(1)
     assert measured == f"{View.of(response, study).summary.peak.frequency_hz:.2f}"
     assert f"at {measured} Hz" in text
 
@@ -288,6 +300,7 @@ def test_page_from_a_saved_file_is_the_same(
 ) -> None:
     save_results(tmp_path / "results.nc", *case)
     again = load_results(tmp_path / "results.nc")
+    assert again.study is not None
     write_page(tmp_path / "report.html", again.response, again.study)
     assert (tmp_path / "report.html").read_text(encoding="utf-8") == text
 
@@ -303,6 +316,7 @@ def test_page_from_a_file_that_is_older_than_sketches_and_rough_faces(
         for name in ("mode_contact", "rough_height", "rough_numbers"):
             del file["study"][name]
     old = load_results(tmp_path / "results.nc")
+    assert old.study is not None
     assert page(old.response, old.study) == page(case[0], dataclasses.replace(case[1], rough_patch=None))
 
 
@@ -334,10 +348,11 @@ def test_a_section_is_one_object_and_shows_where_it_applies(
     def values(view: View) -> dict[str, int]:
         return {"largest": int(view.response.moving_pairs.max())}
 
+    def applies(which: bool) -> Callable[[View], bool]:
+        return lambda view: which
+
     sections = [
-        Section(
-            f"Moving pairs {which}", "<p>at most {{ largest }}</p>", values, applies=lambda view, which=which: which
-        )
+        Section(f"Moving pairs {which}", "<p>at most {{ largest }}</p>", values, applies=applies(which))
         for which in (True, False)
     ]
     monkeypatch.setattr(page_module, "SECTIONS", (*page_module.SECTIONS, *sections))  # type: ignore[attr-defined]

@@ -20,7 +20,7 @@ PLOTS = 2 + 2 + 4 + 2 + 2 + 1
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator:
+def browser() -> Iterator[Any]:
     with opened_browser() as opened:
         yield opened
 
@@ -39,7 +39,7 @@ def width() -> int:
 
 
 @pytest.fixture(scope="module")
-def opened_pages(browser: Any, report: Path) -> Iterator:
+def opened_pages(browser: Any, report: Path) -> Iterator[dict[int, Any]]:
     """The page in a window of each width, with the pair that it opens with."""
     with ExitStack() as stack:
         opened = {width: stack.enter_context(opened_page(browser, report, width)) for width in WIDTHS}
@@ -47,7 +47,7 @@ def opened_pages(browser: Any, report: Path) -> Iterator:
 
 
 @pytest.fixture
-def page(opened_pages: dict[int, Any], width: int) -> Iterator:
+def page(opened_pages: dict[int, Any], width: int) -> Iterator[Any]:
     """The page as it opens; it takes seconds to draw, so tests share it."""
     page, pair = opened_pages[width]
     yield page
@@ -58,12 +58,12 @@ def page(opened_pages: dict[int, Any], width: int) -> Iterator:
     settle(page)
 
 
-def colours(page: Any, plot: str) -> list:
-    return page.evaluate(f"Array.from(document.getElementById('{plot}').data[0].marker.color)")
+def colours(page: Any, plot: str) -> list[str]:
+    return list(page.evaluate(f"Array.from(document.getElementById('{plot}').data[0].marker.color)"))
 
 
-def loop(page: Any) -> list:
-    return page.evaluate("document.getElementById('loop').data.map(trace => [trace.x, trace.y])")
+def loop(page: Any) -> list[Any]:
+    return list(page.evaluate("document.getElementById('loop').data.map(trace => [trace.x, trace.y])"))
 
 
 def settle(page: Any) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, tab_stops
-from helpers import opened_browser
+from helpers import matched, opened_browser
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.reporting import sweep_plots as plots
@@ -32,8 +32,11 @@ def page_of(view: SweepView) -> str:
     return sweep_page(view, "Two <blades>", StudyText("[study]"), PROVENANCE)
 
 
-def figures_of(view: SweepView) -> dict:
-    return json.loads(re.search(r'id="page-figures">(.*?)</script>', page_of(view), flags=re.DOTALL).group(1))
+def figures_of(view: SweepView) -> dict[str, Any]:
+    figures: dict[str, Any] = json.loads(
+        matched(r'id="page-figures">(.*?)</script>', page_of(view), flags=re.DOTALL).group(1)
+    )
+    return figures
 
 
 def test_every_curve_is_drawn_whole() -> None:
@@ -44,6 +47,7 @@ def test_every_curve_is_drawn_whole() -> None:
     assert [entry["name"] for entry in legend] == ["100 N", "200 N", "400 N", "800 N"]
     assert [entry["line"]["color"] for entry in legend] == [trace["line"]["color"] for trace in traces]
     for trace, curve in zip(traces, view.curves, strict=True):
+        assert curve is not None
         assert trace["y"] == pytest.approx(1e6 * curve.amplitude_m, rel=1e-6)
     assert len({trace["line"]["color"] for trace in traces}) == 4
 
@@ -54,6 +58,7 @@ def test_a_huge_sweep_is_thinned_and_reports_it(monkeypatch: pytest.MonkeyPatch)
     traces = figures_of(view)["curves"]["data"][:4]
     assert sum(len(trace["x"]) for trace in traces) <= 300
     for trace, curve in zip(traces, view.curves, strict=True):
+        assert curve is not None
         assert (trace["x"][0], trace["x"][-1]) == (440.0, 480.0)
         assert max(trace["y"]) == pytest.approx(1e6 * curve.amplitude_m.max(), rel=1e-6)
     assert re.search(r"of 8004 points are plotted", page_of(view))
@@ -74,7 +79,7 @@ def test_very_many_curves_share_lines_and_none_is_left_out(monkeypatch: pytest.M
     assert 55 <= len(lines) <= 61
     drawn = [value for line in lines for value in line["y"] if value is not None]
     assert sorted(drawn) == pytest.approx(
-        sorted(float(1e6 * value) for curve in view.curves for value in curve.amplitude_m), rel=1e-6
+        sorted(float(1e6 * value) for curve in view.curves if curve for value in curve.amplitude_m), rel=1e-6
     )
     assert sum(line["y"].count(None) for line in lines) == 200 - len(lines)
     assert re.search("centrifugal force 100 N to ", lines[0]["hovertemplate"])
@@ -229,7 +234,7 @@ def test_a_place_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator:
+def browser() -> Iterator[Any]:
     with opened_browser() as opened:
         yield opened
 

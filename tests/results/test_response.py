@@ -108,8 +108,11 @@ def test_the_curve_is_drawn_in_hz_and_um_zero_to_peak(response: ForcedResponse) 
     (axes,) = response.plot(row, "tip $x$").axes
     lines = {line.get_label(): line for line in axes.lines}
     np.testing.assert_array_equal(lines["with friction"].get_xdata(), response.frequency_hz)
-    np.testing.assert_allclose(lines["with friction"].get_ydata(), 1e6 * response.amplitude(row), rtol=1e-14)
-    np.testing.assert_allclose(lines["linear, no contact"].get_ydata(), 1e6 * response.linear_amplitude(row, "free"))
+    np.testing.assert_allclose(
+        np.asarray(lines["with friction"].get_ydata()), 1e6 * response.amplitude(row), rtol=1e-14
+    )
+    without_contact = np.asarray(lines["linear, no contact"].get_ydata())
+    np.testing.assert_allclose(without_contact, 1e6 * response.linear_amplitude(row, "free"))
     assert "linear, all stuck" in lines
     assert axes.get_xlabel() == "Excitation frequency, Hz"
     assert axes.get_ylabel() == "Amplitude, 0-to-peak, µm\ntip $x$"

@@ -29,7 +29,8 @@ def block_of(
     """A block of cells of one kind, with node set "all" and its six faces as node sets x0, x1, y0, ..."""
     linear = next(name for name in PARTS if kind_name.startswith(name))
     bricks = make_block(counts, lengths, distortion)
-    cells = bricks.cells[:, PARTS[linear]].reshape(-1, len(PARTS[linear][0]))
+    (block,) = bricks.blocks
+    cells = block.cells[:, PARTS[linear]].reshape(-1, len(PARTS[linear][0]))
     points, kind = bricks.points, CELL_KINDS[kind_name]
     if kind.is_quadratic:
         ends = np.sort(cells[:, kind.edges], axis=2)

@@ -91,7 +91,7 @@ def test_cantilever_frequency_is_that_of_a_beam(make_block: Callable[..., Mesh])
 def test_frequencies_converge_with_the_square_of_the_element_size(
     make_block: Callable[..., Mesh], element: Element
 ) -> None:
-    def first_elastic(name: str, n: int) -> FloatArray:
+    def first_elastic(name: Element, n: int) -> FloatArray:
         structure = assemble(make_block((n, n, n), (1.0, 0.8, 0.6)), SOFT, name)
         return natural_frequencies(structure.stiffness, structure.mass, 9)[0][6:]
 
@@ -171,8 +171,9 @@ def test_a_bad_material_is_named(change: dict[str, Any], key: str) -> None:
 
 def test_an_element_that_does_not_suit_is_rejected(make_block: Callable[..., Mesh]) -> None:
     block = make_block((1, 1, 1), (1.0, 1.0, 1.0))
+    wrong: Any = "hexahedron"
     with rejects(InputError, "element"):
-        assemble(block, SOFT, "hexahedron")
+        assemble(block, SOFT, wrong)
     with rejects(InputError, "element"):
         assemble(block.quadratic(), SOFT, "trilinear")
 

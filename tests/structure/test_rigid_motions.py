@@ -14,9 +14,8 @@ NOTHING = np.empty(0, dtype=np.int64)
 
 def cubes(*shifts: Sequence[float]) -> Mesh:
     """Unit cubes at places, with one node where several have a corner."""
-    points, position = np.unique(
-        np.round(np.vstack([CUBE + shift for shift in shifts]), 9), axis=0, return_inverse=True
-    )
+    corners = np.vstack([CUBE + np.array(shift, dtype=float) for shift in shifts])
+    points, position = np.unique(np.round(corners, 9), axis=0, return_inverse=True)
     return Mesh(points, position.reshape(-1, 8))
 
 

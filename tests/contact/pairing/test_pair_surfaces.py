@@ -51,7 +51,7 @@ def test_every_kind_of_face_is_covered_once(lower: str, upper: str, points: Lite
 
 def assert_same_place(mesh: Mesh, pairs: FacePairs, gap: FloatArray) -> None:
     def place(nodes: NDArray[np.int64], weights: FloatArray) -> FloatArray:
-        return np.einsum("pk,pkx->px", weights, mesh.points[nodes])
+        return np.asarray(np.einsum("pk,pkx->px", weights, mesh.points[nodes]))
 
     np.testing.assert_allclose(place(pairs.first_nodes, pairs.first_weights), pairs.points, atol=1e-12)
     opposite = place(pairs.second_nodes, pairs.second_weights)
@@ -319,10 +319,12 @@ def test_ground(kind: str, points: Literal["nodes", "quadrature"]) -> None:
 
 
 def test_wrong_ground_is_rejected() -> None:
+    gaps: Any = [0.0, 1.0]
     with rejects(InputError, "gap"):
-        pair_with_ground(stacked(), "bottom", gap=[0.0, 1.0])
+        pair_with_ground(stacked(), "bottom", gap=gaps)
+    wrong: Any = "all"
     with rejects(InputError, "points"):
-        pair_with_ground(stacked(), "bottom", points="all")
+        pair_with_ground(stacked(), "bottom", points=wrong)
 
 
 def test_interfaces_of_different_kinds_join() -> None:

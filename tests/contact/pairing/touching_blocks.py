@@ -103,7 +103,7 @@ def stacked(
     """A block of 1 x 1 x 0.5 m on another one, moved by ``offset`` (m) from where they touch."""
     return two_bodies(
         block(lower, (0.0, 0.0, 0.0), **(lower_options or {})),
-        block(upper, np.add((0.0, 0.0, 0.5), offset), **(upper_options or {})),
+        block(upper, (offset[0], offset[1], 0.5 + offset[2]), **(upper_options or {})),
     )
 
 

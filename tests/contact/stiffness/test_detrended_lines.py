@@ -24,7 +24,7 @@ POINTS = 40
 
 
 def test_a_straight_line_leaves_nothing() -> None:
-    lines = np.array([[3.0], [-1.0]]) + np.array([[0.5], [2.0]]) * np.arange(POINTS)
+    lines = np.array([[3.0], [-1.0]]) + np.array([[0.5], [2.0]]) * np.arange(float(POINTS))
     assert np.abs(without_trend(lines)).max() < 1e-12
 
 
@@ -73,7 +73,7 @@ def test_simulated_surfaces_have_the_structure_function_of_the_model(constant: f
     points, lags, hurst = 120, np.array([4, 8, 12]), 0.5
     waves = wavelengths(2.0 * points, 1.0)
     model = LineModel.build(points, 1.0, waves, lags)
-    sets = (LineSet(points, 1.0, 7.0 * np.arange(4), True), LineSet(points, 1.0, 9.0 * np.arange(4), False))
+    sets = (LineSet(points, 1.0, 7.0 * np.arange(4.0), True), LineSet(points, 1.0, 9.0 * np.arange(4.0), False))
     spectrum = Spectrum.of(waves, hurst, 1.0, constant)
     assert (spectrum.shortest == 0.0) == (constant >= 0.0)
     surfaces = islice(simulate(sets, spectrum, np.random.default_rng(2)), 400)

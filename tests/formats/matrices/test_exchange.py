@@ -13,7 +13,7 @@ from stickslip.formats.matrices.model import MatrixModel
 from stickslip.structure.superelement import Superelement
 
 
-def arrays(**changed: Any) -> dict[str, np.ndarray]:
+def arrays(**changed: Any) -> dict[str, Any]:
     """The arrays of a file with two nodes, in the order 9, 4, and a mode."""
     rows = np.array([9, 9, 9, 4, 4, 4, -1])
     good = {

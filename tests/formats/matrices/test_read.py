@@ -20,7 +20,7 @@ from stickslip.formats.matrices.read import read_matrices
 def written(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], kind: str) -> tuple[Path, Path]:
     """Paths of stiffness and mass in one kind of file."""
     suffix, write = WRITERS[kind]
-    paths = [tmp_path / f"{name}{suffix}" for name in ("k", "m")]
+    paths = (tmp_path / f"k{suffix}", tmp_path / f"m{suffix}")
     for path, matrix in zip(paths, small[:2], strict=True):
         write(path, matrix)
     return paths
@@ -76,7 +76,9 @@ def test_names_in_one_file_units_and_positions(
     np.testing.assert_allclose(model.stiffness.toarray(), stiffness, rtol=1e-12, atol=1e-3)
     np.testing.assert_allclose(model.mass.toarray(), mass, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(model.damping.toarray(), 1e-3 * stiffness, rtol=1e-12, atol=1e-6)
-    np.testing.assert_allclose(model.positions_of([12, 3]), points[[3, 0]])
+    positions = model.positions_of([12, 3])
+    assert positions is not None
+    np.testing.assert_allclose(positions, points[[3, 0]])
 
 
 def test_rotations_keep_their_energy_when_lengths_change_unit(tmp_path: Path) -> None:

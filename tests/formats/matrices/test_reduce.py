@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,6 +45,7 @@ def test_the_same_superelement_as_from_our_structure(held_block: Structure) -> N
     np.testing.assert_array_equal(actual.positions, held_block.mesh.points[[40, 20]])
     assert actual.node_sets["tip"].tolist() == [labels[40]]
     # damping 1e-7 K projects to 1e-7 of the reduced stiffness
+    assert actual.damping is not None
     np.testing.assert_allclose(actual.damping, 1e-7 * actual.stiffness, atol=1e-16 * np.abs(actual.stiffness).max())
     unit = np.eye(actual.size)
     whole = held_block.expand(actual.recovery @ unit)
@@ -52,9 +54,16 @@ def test_the_same_superelement_as_from_our_structure(held_block: Structure) -> N
 
 def test_a_small_model_is_taken_as_it_is(small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     stiffness, mass, points = small
-    rows = {"node": np.repeat(NODES, 3), "direction": np.tile([0, 1, 2], 12), "node_labels": NODES, "position": points}
+    rows: dict[str, Any] = {
+        "node": np.repeat(NODES, 3),
+        "direction": np.tile([0, 1, 2], 12),
+        "node_labels": NODES,
+        "position": points,
+    }
     order = np.random.default_rng(1).permutation(36)
-    mixed = {name: matrix[np.ix_(order, order)] for name, matrix in (("stiffness", stiffness), ("mass", mass))}
+    mixed: dict[str, Any] = {
+        name: matrix[np.ix_(order, order)] for name, matrix in (("stiffness", stiffness), ("mass", mass))
+    }
     rows |= {"node": rows["node"][order], "direction": rows["direction"][order]}
     actual = reduce_matrices(MatrixModel(**mixed, **rows), NODES[:3], 30)
     assert actual.size == 36
@@ -89,8 +98,10 @@ def two_blocks(make_block: Callable[..., Mesh], shared: int = 0) -> tuple[Matrix
     used = np.flatnonzero(matrices[0].diagonal())
     points = np.vstack([one.mesh.points, one.mesh.points + np.array([3.0, 0.0, 0.0])])
     labels = np.arange(2 * n) + 1
+    stiffness, mass = (matrix[used][:, used] for matrix in matrices)
     return MatrixModel(
-        *(matrix[used][:, used] for matrix in matrices),
+        stiffness,
+        mass,
         node=labels[used // 3],
         direction=used % 3,
         node_labels=labels,
@@ -134,6 +145,7 @@ def test_a_hinge_is_a_mechanism(make_block: Callable[..., Mesh], n_modes: int) -
 
 def test_positions_of_another_model_do_not_explain_rigid_motions(make_block: Callable[..., Mesh]) -> None:
     model, n = two_blocks(make_block)
+    assert model.position is not None
     wrong = replace(model, position=model.position * [5.0, 1.0, 1.0])
     with rejects(InputError):
         reduce_matrices(wrong, corners(n, 0, 1), 4)

@@ -24,7 +24,7 @@ from stickslip.structure.mesh import Mesh
 from stickslip.structure.model_facts import body_volumes
 
 STEEL = Material(1e6 * STEEL_MM[0], STEEL_MM[1], 1e12 * STEEL_MM[2])
-WRITERS = {
+WRITERS: dict[str, tuple[str, Callable[..., None], bool]] = {
     "inp": ("model.inp", write_inp, True),
     "inp with parts": ("model.inp", write_parts, True),
     "bdf": ("model.bdf", partial(write_bdf, large=True), True),
@@ -90,7 +90,8 @@ def test_the_two_blades_come_back(tmp_path: Path, form: str) -> None:
 def two_bricks(make_block: Callable[..., Mesh], fault: str) -> Any:
     """Two bricks side by side, base and contact at their ends, with one fault."""
     bricks = make_block((2, 1, 1), (0.02, 0.01, 0.01))
-    cells, points = bricks.cells.copy(), bricks.points
+    (block,) = bricks.blocks
+    cells, points = block.cells.copy(), bricks.points
     if fault == "inverted":
         cells[1] = cells[1][[0, 3, 2, 1, 4, 7, 6, 5]]
     elif fault == "duplicated":

@@ -101,7 +101,7 @@ def test_forces_that_have_no_direction(tmp_path: Path, cards: str) -> None:
     ],
 )
 def test_constraints_along_basic_directions(
-    tmp_path: Path, system: str, grids: dict[int, Any] | None, constraints: str, held: list[int]
+    tmp_path: Path, system: str, grids: dict[int, Any], constraints: str, held: list[int]
 ) -> None:
     model = cubes(tmp_path, system, grids, constraints)
     assert model.fixed_unknowns.tolist() == held
@@ -119,7 +119,7 @@ def test_constraints_along_basic_directions(
     ],
 )
 def test_constraints_in_other_directions_are_rejected(
-    tmp_path: Path, system: str, grids: dict[int, Any] | None, constraints: str
+    tmp_path: Path, system: str, grids: dict[int, Any], constraints: str
 ) -> None:
     with rejects(ImportFileError):
         cubes(tmp_path, system, grids, constraints)
@@ -137,11 +137,12 @@ def test_constraints_in_other_directions_are_rejected(
     ],
 )
 def test_constraints_in_other_directions_become_equations(
-    tmp_path: Path, system: str, grids: dict[int, Any] | None, constraints: str, node: int, rows: list[list[float]]
+    tmp_path: Path, system: str, grids: dict[int, Any], constraints: str, node: int, rows: list[list[float]]
 ) -> None:
     model = cubes(tmp_path, system, grids, constraints)
+    assert model.equations is not None
     tied = eliminate(model.equations, model.fixed_unknowns).transformation[3 * node : 3 * node + 3].toarray()
-    rows = np.array(rows) / np.linalg.norm(rows, axis=1)[:, None]
+    wanted = np.array(rows) / np.linalg.norm(rows, axis=1)[:, None]
     np.testing.assert_allclose(rows @ tied, 0.0, atol=1e-12)
     assert np.linalg.matrix_rank(tied) == 3 - len(rows)
 

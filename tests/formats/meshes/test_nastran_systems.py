@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -84,8 +85,11 @@ def test_a_long_chain_of_systems(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["rectangular", "cylindrical", "spherical"])
-def test_directions_are_those_in_which_the_coordinates_grow(kind: str) -> None:
+def test_directions_are_those_in_which_the_coordinates_grow(
+    kind: Literal["rectangular", "cylindrical", "spherical"],
+) -> None:
     frame = Frame.through(kind, np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [4.0, -1.0, 2.0]]))
+    assert frame is not None
     for values in ([2.0, 40.0, 70.0], [3.0, 130.0, -100.0]):
         place = frame.basic(np.array([values]))[0]
         steps = np.vstack([values + 1e-3 * np.eye(3), values - 1e-3 * np.eye(3)])

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from universal_writer import write_unv
 
 STEEL = Material(1e6 * STEEL_MM[0], STEEL_MM[1], 1e12 * STEEL_MM[2])
 BODIES = ["lower", "upper"]
-WRITERS = {
+WRITERS: dict[str, tuple[str, Callable[..., None], tuple[Any, ...]]] = {
     "inp": ("model.inp", write_inp, ()),
     "inp with parts": ("model.inp", write_parts, ()),
     "small fields": ("model.bdf", write_bdf, (False,)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from sentences import rejects
+from stickslip.case.case import TwoBladeCase
 from stickslip.core.errors import RoughnessError, StudyFileError
 from stickslip.model.model import load_joint, set_up
 from stickslip.papers.rough_damper.plan import (
@@ -50,6 +51,7 @@ def test_labels_are_the_inputs(plan: tuple[Computation, ...]) -> None:
     for each in plan:
         s, case = each.setting, each.planned.case
         assert case.roughness is not None
+        assert isinstance(case, TwoBladeCase)
         assert (case.excitation.mode, case.excitation.amplitude) == (s.excitation, s.force)
         assert case.preload.centrifugal_force == s.load
         assert (case.roughness.fractal_dimension, case.roughness.fractal_roughness) == (s.dimension, s.scale)
@@ -82,7 +84,7 @@ def test_a_changed_choice_changes_that_key_alone(plan: tuple[Computation, ...], 
 
 @pytest.mark.parametrize(("choice", "value"), list(changes(Scope())), ids=str)
 def test_under_every_change_forces_and_loads_can_be_compared(
-    plan: tuple[Computation, ...], choice: Choice, value: object
+    plan: tuple[Computation, ...], choice: Choice, value: str
 ) -> None:
     scope, name = Scope(), variant(choice, value)
     labels = {name, BASE_CHOICE} if choice.key == LOAD_KEY else {name}
