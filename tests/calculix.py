@@ -8,7 +8,7 @@ import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse
@@ -28,7 +28,7 @@ COARSE = BladePairElements(
     damper_columns=2, damper_flank_rows=1,
 )  # fmt: skip
 # Elements of CalculiX, the cells that they are, and our element for them.
-ELEMENTS = {
+ELEMENTS: dict[str, tuple[str, Element | Literal[""]]] = {
     "C3D8I": ("hexahedron", "incompatible"),
     "C3D8": ("hexahedron", "trilinear"),
     "C3D20": ("hexahedron20", "serendipity"),
@@ -84,9 +84,10 @@ def cut_bricks(mesh: Mesh, kind: str) -> Mesh:
     return Mesh(points, cells, np.repeat(mesh.body, len(local)), sets, names)
 
 
-def our_structure(mesh: Mesh, element: Element) -> Structure:
-    """Our matrices of a mesh, clamped at its base."""
+def our_structure(mesh: Mesh, element: Element | Literal[""]) -> Structure:
+    """Our matrices of a mesh, clamped at its base; only bricks have a choice of elements."""
     if mesh.blocks[0].kind.startswith("hexahedron"):
+        assert element
         return assemble(mesh, Material(), element)
     return assemble_bodies(mesh, [Material()] * 3, fixed_nodes=mesh.node_sets["fixed"])
 

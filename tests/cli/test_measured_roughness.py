@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import re
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -50,7 +49,7 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     assert values.sample_length == pytest.approx(3e-3, rel=1e-3)
     assert values.shortest_length == pytest.approx(4e-6)
     assert values.fractal_roughness is not None
-    low, high = re.search(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
+    low, high = matched(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
     assert float(low) < 1e-9 < float(high)
     assert float(low) < values.fractal_roughness < float(high)
     assert {path.name for path in tmp_path.iterdir()} == {f"structure_function.{end}" for end in ("svg", "png", "csv")}

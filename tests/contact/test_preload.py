@@ -57,7 +57,7 @@ def test_area_share_adds_up_on_each_face() -> None:
     ],
 )
 def test_values_out_of_range(changes: dict[str, Any], key: str) -> None:
-    arguments = {"centrifugal_force": 500.0, "platform_angle": 0.5, "area": AREA, "face": FACE}
+    arguments: dict[str, Any] = {"centrifugal_force": 500.0, "platform_angle": 0.5, "area": AREA, "face": FACE}
     with rejects(InputError, key):
         uniform_preload(**(arguments | changes))
 

@@ -41,7 +41,7 @@ def block_case(preload: Mapping[str, object], load: str = "80 N") -> Case:
     for interface in data["interfaces"].values():
         del interface["normal_load"]
     data["interfaces"]["sole"] |= GIVEN
-    data["preload"] = preload
+    data["preload"] = dict(preload)
     if preload.get("method") == "solved":
         data["static_loads"] = {"weight": {"set": "damper_top", "direction": [0, 0, -1], "force": load}}
     data["output"] |= {"mode_shapes": 4, "deflected_shape_frames": 0}

@@ -37,11 +37,12 @@ def force_on_damper(found: Model) -> np.ndarray:
     """Resultant (3,) of the contact on the damper at rest."""
     assert found.preload is not None
     state, pairs = found.preload.state, found.joint.face_pairs
-    return -(
+    total = (
         state.normal_force[:, None] * pairs.normal
         + state.traction[:, :1] * pairs.tangent1
         + state.traction[:, 1:] * pairs.tangent2
     ).sum(axis=0)
+    return -np.asarray(total)
 
 
 @pytest.mark.slow

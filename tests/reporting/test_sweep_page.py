@@ -162,7 +162,10 @@ def test_damper_performance_marks_optimum_and_limits() -> None:
 
 def test_peaks_of_slow_sweeps_are_told_apart_where_they_are_lower() -> None:
     view = sweep_view((LOADS,), BOWL)
-    reached = {"upward_peak_amplitude_m": [2e-4, 1e-4, None, 4e-4], "downward_peak_amplitude_m": BOWL}
+    reached: dict[str, list[Any]] = {
+        "upward_peak_amplitude_m": [2e-4, 1e-4, None, 4e-4],
+        "downward_peak_amplitude_m": BOWL,
+    }
     rows = tuple(
         replace(row, measures={**row.measures, **{name: v[i] for name, v in reached.items() if v[i] is not None}})
         for i, row in enumerate(view.table.rows)

@@ -18,7 +18,7 @@ def test_nodes_are_where_the_shape_functions_are_one(n_nodes: int) -> None:
 def test_facets_and_border_tile_the_side(n_nodes: int) -> None:
     def area(polygon: FloatArray) -> float:
         x, y = polygon.T
-        return 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
+        return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
     whole = area(SIDE_NODES[n_nodes][SIDE_BORDER[n_nodes]])
     assert whole == pytest.approx(0.5 if n_nodes in (3, 6) else 4.0)

@@ -214,6 +214,7 @@ def test_without_workers_the_wait_is_reported_and_ends(
 def test_a_task_whose_workers_die_is_given_up(own_cluster: OwnCluster) -> None:
     _, _, executor = own_cluster
     error = executor.submit(os._exit, 1).exception(PATIENCE_SECONDS)
+    assert error is not None
     assert isinstance(executor.meaning(error), BrokenExecutor)
     assert "workers died while running it" in str(executor.meaning(error))  # words of Dask
 

@@ -55,7 +55,7 @@ def light_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 @pytest.mark.usefixtures("light_tasks", "untraced_commands")
 def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
-    finished: dict[str, str] = {}
+    finished: dict[str, object] = {}
     broken: dict[str, BaseException] = {}
     pool = LocalProcesses(2)
     try:

@@ -12,7 +12,7 @@ TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 
 def area(polygon: FloatArray) -> float:
     x, y = polygon.T
-    return 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def clipped(subject: FloatArray, window: FloatArray) -> FloatArray:

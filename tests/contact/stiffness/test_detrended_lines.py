@@ -18,6 +18,7 @@ from stickslip.contact.stiffness.detrended_lines import (
 )
 from stickslip.contact.stiffness.random_lines import LineSet, Spectrum, simulate
 from stickslip.contact.stiffness.surface import structure_function, structure_function_limit
+from stickslip.core.validation import FloatArray
 
 LAGS = np.array([1, 2, 5, 11, 20])
 POINTS = 40
@@ -36,7 +37,7 @@ def test_measured_structure_is_the_mean_square_of_differences() -> None:
 @pytest.mark.parametrize("exponent", [0.4, 1.2, 1.8])
 def test_expected_structure_equals_the_dense_projection(exponent: float) -> None:
     """P C P written out, with a covariance that differs from -S/2 by a constant."""
-    structure = np.arange(POINTS) ** exponent
+    structure: FloatArray = np.arange(float(POINTS)) ** exponent
     distance = np.abs(np.subtract.outer(np.arange(POINTS), np.arange(POINTS)))
     basis = straight_lines(POINTS)
     projection = np.eye(POINTS) - basis.T @ basis

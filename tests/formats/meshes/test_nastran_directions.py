@@ -143,7 +143,7 @@ def test_constraints_in_other_directions_become_equations(
     assert model.equations is not None
     tied = eliminate(model.equations, model.fixed_unknowns).transformation[3 * node : 3 * node + 3].toarray()
     wanted = np.array(rows) / np.linalg.norm(rows, axis=1)[:, None]
-    np.testing.assert_allclose(rows @ tied, 0.0, atol=1e-12)
+    np.testing.assert_allclose(wanted @ tied, 0.0, atol=1e-12)
     assert np.linalg.matrix_rank(tied) == 3 - len(rows)
 
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from model_writers import STEEL_MM, write_bdf, write_inp, write_meshio, write_parts
-from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.read import read_model
 from stickslip.structure.elasticity import Material, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry
@@ -37,7 +36,8 @@ WRITERS: dict[str, tuple[str, Callable[..., None], tuple[Any, ...]]] = {
 def two_bodies(make_block: Callable[..., Mesh], quadratic: bool) -> Mesh:
     """Two blocks one above the other, with nodes of their own where they touch."""
     lower = make_block((3, 2, 1), (0.06, 0.03, 0.01), 0.1)
-    cells = np.vstack([lower.cells, lower.cells + lower.n_nodes])
+    (bricks,) = lower.blocks
+    cells = np.vstack([bricks.cells, bricks.cells + lower.n_nodes])
     points = np.vstack([lower.points, lower.points + np.array([0.0, 0.0, 0.02])])
     grid = np.arange(lower.n_nodes).reshape(4, 3, 2)
     sets = {
@@ -98,7 +98,7 @@ def test_a_model_comes_back(tmp_path: Path, make_block: Callable[..., Mesh], nam
     assert frequency_hz[5] < 1e-2 * frequency_hz[6]
 
 
-def reference_volumes(mesh: Mesh, quadratic: bool) -> FloatArray:
+def reference_volumes(mesh: Mesh, quadratic: bool) -> list[float]:
     structure = assemble(mesh, STEEL, "serendipity" if quadratic else "incompatible", fixed_nodes=[])
     answer = []
     for body in (0, 1):
