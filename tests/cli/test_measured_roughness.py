@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import re
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -12,10 +11,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from helpers import absent_tool
+from helpers import absent_tool, matched
 from instrument_files import WRITERS
 from sentences import printed_sentence
-from stickslip.case.case import Case
+from stickslip.case.case import Case, OwnCase, TwoBladeCase
 from stickslip.cli.main import app
 from stickslip.contact.stiffness import roughness_fit
 from stickslip.contact.stiffness.fractal import ContactStatus, fractal_contact
@@ -47,8 +46,10 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     values = Case.from_text(section).roughness
     assert values is not None
     assert 2.3 < values.fractal_dimension < 2.5
-    assert (values.sample_length, values.shortest_length) == (pytest.approx(3e-3, rel=1e-3), pytest.approx(4e-6))
-    low, high = re.search(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
+    assert values.sample_length == pytest.approx(3e-3, rel=1e-3)
+    assert values.shortest_length == pytest.approx(4e-6)
+    assert values.fractal_roughness is not None
+    low, high = matched(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
     assert float(low) < 1e-9 < float(high)
     assert float(low) < values.fractal_roughness < float(high)
     assert {path.name for path in tmp_path.iterdir()} == {f"structure_function.{end}" for end in ("svg", "png", "csv")}
@@ -148,12 +149,13 @@ def test_the_load_that_is_reported_parts_plastic_from_elastic_contact(hardness: 
     sentence, section = result.stdout.split("For the study file:\n")
     assert hardness in sentence
     case = Case.from_text(section)
+    assert isinstance(case, TwoBladeCase | OwnCase)
     roughness = case_roughness(case, *[case_material(case)] * 2)
-    least = float(re.search(r"a load below (\S+) N", sentence).group(1))
+    least = float(matched(r"a load below (\S+) N", sentence).group(1))
     assert fractal_contact(roughness, 0.99 * least).status is ContactStatus.FULLY_PLASTIC
     assert fractal_contact(roughness, 0.99 * least).normal == 0.0
     assert fractal_contact(roughness, 1.01 * least).normal > 0.0
-    area = float(re.search(r"critical area (\S+) m2", sentence).group(1))
+    area = float(matched(r"critical area (\S+) m2", sentence).group(1))
     assert area == pytest.approx(fractal_contact(roughness, least).critical_area, rel=5e-3)
 
 
