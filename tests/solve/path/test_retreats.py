@@ -19,7 +19,8 @@ SETTINGS = ContinuationSettings()
 
 def test_no_second_retreat_takes_the_same_step_from_the_same_point() -> None:
     """First a shorter step, then longer ones up to the first step of a branch, each once."""
-    curve, visited, pace = s_curve(), Visited(), Pace(SETTINGS.largest_step)
+    curve, pace = s_curve(), Pace(SETTINGS.largest_step)
+    visited: Visited[PlanePoint] = Visited()
     corrector = Corrector(Newton(curve, NewtonSettings()), 12.0, Effort(SETTINGS))
     retreats = Retreats(corrector, visited, SETTINGS, pace)
     for x in (-2.0, -1.998, -1.996):
@@ -33,7 +34,7 @@ def test_no_second_retreat_takes_the_same_step_from_the_same_point() -> None:
 
     visited.truncate(2)
     visited.points[1] = curve.at(visited.points[1].x, visited.points[1].y)  # found again: another point
-    visited.add(curve.at(-1.996, -1.996**3 + 1.996))
+    visited.add(curve.at(-1.996, -(1.996**3) + 1.996))
     assert retreats.go_back(1) is not None
 
 
