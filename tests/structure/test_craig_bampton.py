@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse
 from threadpoolctl import threadpool_limits
 
 from calculix import cut_bricks
@@ -13,9 +14,11 @@ from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.structure import cache
+from stickslip.structure import craig_bampton as craig_bampton_module
 from stickslip.structure.craig_bampton import craig_bampton, reduction_table
 from stickslip.structure.elasticity import Material, Structure, assemble_bodies, natural_frequencies
 from stickslip.structure.mesh import Mesh
+from stickslip.structure.recovery import partition
 from stickslip.structure.superelement import Superelement
 
 
@@ -66,6 +69,34 @@ def test_static_response_to_boundary_forces_is_exact(held_block: Structure) -> N
     exact = held_block.expand(np.linalg.solve(held_block.stiffness.toarray(), full))
     answer = np.linalg.solve(reduced.stiffness, np.append(force, np.zeros(4)))
     np.testing.assert_allclose(reduced.recovery @ answer, exact, atol=1e-10 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("n_modes", [0, 5])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_large_boundary_reduced_by_blocks_gives_the_same_matrices(
+    held_block: Structure, n_modes: int, threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stiffness, mass = held_block.stiffness, held_block.mass
+    boundary, interior = partition(held_block, np.array([40, 20, 31, 22, 35]))
+    skew = scipy.sparse.triu(stiffness, 1)
+    matrices = stiffness, mass, 1e-3 * stiffness + 2.0 * mass
+
+    def reduced() -> Any:
+        return craig_bampton_module.reduced_matrices(
+            matrices, held_block.node, boundary, interior, n_modes, "superlu", threads, print, (skew - skew.T).tocsr()
+        )
+
+    whole = reduced()
+    monkeypatch.setattr(craig_bampton_module, "LARGE_BOUNDARY", 1)
+    monkeypatch.setattr(craig_bampton_module, "BLOCK", 4)
+    blocks = reduced()
+    for name in ("mass", "stiffness", "damping", "gyroscopic", "modes"):
+        expected = getattr(whole, name)
+        error = np.abs(getattr(blocks, name) - expected).max(initial=0.0)
+        assert error <= 1e-12 * np.abs(expected).max(initial=1.0), name
+    np.testing.assert_array_equal(blocks.mass, blocks.mass.T)
+    load = np.random.default_rng(0).standard_normal(len(interior))
+    np.testing.assert_allclose(blocks.factor.solve(load), whole.factor.solve(load), rtol=1e-9)
 
 
 def test_all_modes_give_the_full_model_and_more_modes_never_raise_a_frequency(held_block: Structure) -> None:

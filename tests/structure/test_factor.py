@@ -1,6 +1,7 @@
 import sys
 from collections.abc import Callable
 from importlib.util import find_spec
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from sentences import printed_sentence, rejects
 from stickslip.core.errors import ConvergenceError, InputError, MissingPackageError, SingularMatrixError
 from stickslip.structure import factor as factor_module
 from stickslip.structure.elasticity import Material, assemble
-from stickslip.structure.factor import PARDISO_SIZE, best_backend, factor_forecast, factorize
+from stickslip.structure.factor import MANY_COLUMNS, PARDISO_SIZE, best_backend, factor_forecast, factorize
 from stickslip.structure.mesh import Mesh
 
 
@@ -53,7 +54,11 @@ def test_a_matrix_that_is_not_square_is_rejected(shape: tuple[int, int]) -> None
 
 def test_a_factor_with_a_large_residual_is_rejected(stiffness: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     sound = factor_module._superlu
-    monkeypatch.setattr(factor_module, "_superlu", lambda matrix: lambda b: sound(matrix)(b) * (1.0 + 1e-6))
+
+    def wrong(matrix: Any) -> SimpleNamespace:
+        return SimpleNamespace(solve=lambda right: sound(matrix).solve(right) * (1.0 + 1e-6))
+
+    monkeypatch.setattr(factor_module, "_superlu", wrong)
     with rejects(ConvergenceError):
         factorize(stiffness)
 
@@ -92,6 +97,7 @@ def test_the_best_backend_needs_its_package_and_a_size_where_it_pays(monkeypatch
     assert best_backend(10**6) == "superlu"
     monkeypatch.setattr("importlib.util.find_spec", lambda name: object())
     assert best_backend(10**6) == "pardiso"
+    assert best_backend(10**6, columns=MANY_COLUMNS) == "superlu"
 
 
 def test_blocks_in_threads_give_the_same_columns_and_report_their_progress(stiffness: Any) -> None:

@@ -202,15 +202,25 @@ def compared_tractions(
     ``other`` may also be a message with the reason why there is no such curve.
     """
     names = ("kept", "released") if case.preload.residual_traction == "kept" else ("released", "kept")
+    label, of_study = f"Peak with tractions at rest {names[1]}", f"this study's tractions are {names[0]}"
+    return compared_peaks(label, of_study, response, other, output)
+
+
+def compared_peaks(
+    label: str, of_study: str, response: ForcedResponse, other: ForcedResponse | str, output: FloatArray
+) -> tuple[Derived, ...]:
+    """The peak of a curve with another choice, ``label``, beside that of the study, which ``of_study`` describes.
+
+    ``other`` may also be a message with the reason why there is no such curve.
+    """
     own = summary(response, output)
-    label = f"Peak with tractions at rest {names[1]}"
     if isinstance(other, str):
         return ((label, "no result", "-", other),)
     there = summary(other, output)
     change = 100.0 * (there.peak.amplitude / own.peak.amplitude - 1.0)
     energy = 100.0 * (there.friction_energy / own.friction_energy - 1.0) if own.friction_energy > 0.0 else math.nan
     shift = there.peak.frequency_hz - own.peak.frequency_hz
-    words = f"this study's tractions are {names[0]}; {change:+.2f} % relative to it"
+    words = f"{of_study}; {change:+.2f} % relative to it"
     if not other.converged:
         words += f"; that curve is not complete: {other.message}"
     return (
