@@ -23,8 +23,9 @@ NASTRAN_TYPES = {"hexahedron": "CHEXA", "tetra": "CTETRA", "wedge": "CPENTA"}
 
 def kind_of(mesh: Mesh) -> CellKind:
     """The kind of the cells of a mesh, which are of one kind."""
-    (block,) = mesh.blocks
-    return KIND_OF_SIZE[block.cells.shape[1]]
+    cells = mesh.cells
+    assert isinstance(cells, np.ndarray)
+    return KIND_OF_SIZE[cells.shape[1]]
 
 
 def face_of(mesh: Mesh, name: str) -> np.ndarray:

@@ -4,13 +4,15 @@ import math
 import sys
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 from pydantic import ValidationError
 
 from sentences import rejects
-from stickslip.case.case import Case
+from stickslip.case.case import Case, TwoBladeCase
 from stickslip.case.load import load_case
+from stickslip.case.sections import ContactStiffnessSection
 from stickslip.core.errors import StudyFileError
 
 
@@ -66,6 +68,7 @@ def test_loaded_values_are_si_floats(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(Case().to_text(), encoding="utf-8")
     case = load_case(path)
+    assert isinstance(case, TwoBladeCase)
     assert case.geometry.blade_length == 0.145
     assert case.geometry.platform_angle == pytest.approx(math.radians(30.0), rel=1e-14)
     assert case.material.young_modulus == 197e9
@@ -79,11 +82,13 @@ def test_loaded_values_are_si_floats(tmp_path: Path) -> None:
 def test_default_geometry_and_mesh_are_those_of_the_structure() -> None:
     from stickslip.model.kinds.two_blade_geometry import BladePairElements, BladePairGeometry
 
-    geometry = Case().geometry.model_dump()
+    default = Case()
+    assert isinstance(default, TwoBladeCase)
+    geometry = default.geometry.model_dump()
     geometry["platform_angle_deg"] = round(math.degrees(geometry.pop("platform_angle")), 12)
     geometry["right_platform_angle_deg"] = geometry.pop("right_platform_angle")  # None: that of the other one
     assert {**geometry, "damper": {}} == asdict(BladePairGeometry())  # a wedge has no dimensions of its own
-    mesh = Case().mesh.model_dump()
+    mesh = default.mesh.model_dump()
     assert mesh.pop("element") == "incompatible"
     assert mesh == asdict(BladePairElements())
 
@@ -126,6 +131,8 @@ def test_record_reads_back_exactly() -> None:
 def test_replace_validates_and_leaves_the_original() -> None:
     case = Case()
     other = case.replace({"preload.centrifugal_force": "300 N", "solver.samples": 512})
+    assert isinstance(case, TwoBladeCase)
+    assert isinstance(other, TwoBladeCase)
     assert (other.preload.centrifugal_force, other.solver.samples) == (300.0, 512)
     assert case.preload.centrifugal_force == 500.0
     with rejects(StudyFileError, "preload.centrifugal_force"):
@@ -137,8 +144,9 @@ def test_replace_validates_and_leaves_the_original() -> None:
 
 
 def test_case_is_frozen() -> None:
+    solver: Any = Case().solver
     with pytest.raises(ValidationError):
-        Case().solver.samples = 3  # type: ignore[misc]
+        solver.samples = 3
 
 
 def test_one_given_source_replaces_the_default_of_the_other() -> None:
@@ -147,7 +155,8 @@ def test_one_given_source_replaces_the_default_of_the_other() -> None:
         '[damping]\nrayleigh_alpha = "1 1/s"\n[preload]\nvalues = [1.0, 2.0]\n'
     )
     assert case.roughness is None
-    assert case.contact_stiffness is not None
+    assert isinstance(case, TwoBladeCase)
+    assert isinstance(case.contact_stiffness, ContactStiffnessSection)
     assert case.contact_stiffness.tangential_stiffness == 8e7
     assert case.damping.modal_damping_ratio is None
     assert case.preload.centrifugal_force is None
@@ -177,7 +186,9 @@ def test_downward_sweep_is_allowed() -> None:
 
 
 def test_direction_is_scaled_to_length_one() -> None:
-    assert Case.from_text("[excitation]\ndirection = [0, 3, 4]").excitation.direction == (0.0, 0.6, 0.8)
+    case = Case.from_text("[excitation]\ndirection = [0, 3, 4]")
+    assert isinstance(case, TwoBladeCase)
+    assert case.excitation.direction == (0.0, 0.6, 0.8)
 
 
 def test_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from pathlib import Path
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
@@ -44,6 +45,7 @@ def test_new_of_another_kind_is_rejected(tmp_path: Path) -> None:
 
 def test_values_are_si_and_file_names_absolute() -> None:
     case = load_case(EXAMPLE / "study.toml")
+    assert isinstance(case, MeshCase)
     assert Path(case.structure.file) == EXAMPLE.resolve() / "beam_and_block.inp"
     assert case.responses["block"].point == pytest.approx((0.048, 0.00367, 0.014))
     assert case.interfaces["lid"].normal_stiffness == 1e6
@@ -59,8 +61,11 @@ def test_equal_cases_have_one_hash() -> None:
 
 def test_a_key_of_a_named_entry_is_replaced_and_swept() -> None:
     case = mesh_case(interfaces__sole__friction=0.6)
+    unchanged = mesh_case()
+    assert isinstance(case, MeshCase)
+    assert isinstance(unchanged, MeshCase)
     assert case.interfaces["sole"].friction == 0.6
-    assert case.interfaces["lid"] == mesh_case().interfaces["lid"]
+    assert case.interfaces["lid"] == unchanged.interfaces["lid"]
     (key,) = swept_keys({"interfaces.sole.normal_load": "10:40:3"})
     assert (key.values, key.unit) == ((10.0, 25.0, 40.0), "N")
     with rejects(StudyFileError, "interfaces.soul.friction"):
@@ -181,16 +186,21 @@ def test_names_that_files_and_keys_cannot_take_are_rejected(section: str, name: 
 def test_usual_names_pass(name: str) -> None:
     case = mesh_case().to_dict()
     case["responses"] = {name: next(iter(case["responses"].values()))}
-    assert list(Case.from_mapping(case).responses) == [name]
+    checked = Case.from_mapping(case)
+    assert isinstance(checked, MeshCase)
+    assert list(checked.responses) == [name]
 
 
 def test_bodies_are_called_as_in_the_mesh_and_texts_can_be_shown() -> None:
-    data = {"structure": {"kind": "mesh", "file": "a.inp"}, "bodies": {"Part/Body:1": {"density": 7800.0}}}
+    data: dict[str, Any] = {
+        "structure": {"kind": "mesh", "file": "a.inp"},
+        "bodies": {"Part/Body:1": {"density": 7800.0}},
+    }
     with rejects(StudyFileError, "structure.length_unit") as error:  # it lacks interfaces and more
         Case.from_mapping(data)
     assert "Part/Body" not in str(error.value)
     data["bodies"] = {"a\x1b[2Jb": {"density": 7800.0}}
-    data["structure"]["fixed"] = ["root\x07"]  # type: ignore[assignment]
+    data["structure"]["fixed"] = ["root\x07"]
     with rejects(StudyFileError, "structure.length_unit", "structure.fixed", "bodies.a\u001b[2Jb"):
         Case.from_mapping(data)
 

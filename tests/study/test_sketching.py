@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 
 from castings import casting_case
 from own_cases import EXAMPLE, mesh_case
-from stickslip.case.case import Case
+from stickslip.case.case import Case, TwoBladeCase
 from stickslip.case.load import load_case
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import Model, build_model, kind_of, load_joint, set_up
@@ -54,7 +54,9 @@ def two_blades(element: str) -> Callable[[], Case]:
 def test_the_contact_faces_of_the_blades_are_where_the_drawing_says(case: Callable[[], Case]) -> None:
     """Bricks, bricks with midside nodes and quadratic tetrahedra whose faces do not match."""
     sketch = sketch_of(case())
-    vectors, geometry = areas(sketch), Case().geometry
+    blades = Case()
+    assert isinstance(blades, TwoBladeCase)
+    vectors, geometry = areas(sketch), blades.geometry
     assert geometry is not None
     expected = geometry.contact_face_width * geometry.damper_length
     slope = np.array([np.sin(geometry.platform_angle), 0.0, np.cos(geometry.platform_angle)])
@@ -87,6 +89,7 @@ def test_places_of_the_blades() -> None:
 def test_a_preload_that_is_solved_shows_its_constant_loads() -> None:
     solved = two_blades("incompatible")().replace({"preload.method": "solved"})
     sketch = sketch_of(solved)
+    assert isinstance(solved, TwoBladeCase)
     assert sketch.constant.tolist() == [False, True, True]
     assert sketch.load_names[1:] == ("damper front edge", "damper back edge")
     assert sketch.loads[1:].sum(axis=0) == pytest.approx([0.0, 0.0, solved.preload.centrifugal_force])

@@ -21,6 +21,7 @@ from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.structure.elasticity import Structure
 from stickslip.study import analyses, assembled, solution
 from stickslip.study import places as run_places
 from stickslip.study import run as study
@@ -189,7 +190,7 @@ def test_the_curve_is_the_same_with_one_and_two_threads(monkeypatch: pytest.Monk
 def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    solve = solution.solve
+    solve = vars(solution)["solve"]
 
     def solve_and_remove(*arguments: Any) -> Any:
         response = solve(*arguments)
@@ -248,6 +249,7 @@ def test_the_estimate_of_the_room_covers_what_a_run_writes(
     monkeypatch.setattr(run_places, "require_disk_space", lambda _, whole, largest: asked.append((whole, largest)))
     case = Case().replace(COARSE)
     structure = build_structure(case)
+    assert isinstance(structure, Structure)
     run_places.require_space_for(case, build_model(case, structure, build_joint(case, structure)), folder)
     sizes = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
     ((whole, largest),) = asked

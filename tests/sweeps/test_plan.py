@@ -5,19 +5,20 @@ from __future__ import annotations
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import stickslip
 from sentences import rejects
-from stickslip.case.case import Case
+from stickslip.case.case import Case, TwoBladeCase
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.sweeps import plan, work
 from stickslip.sweeps.axes import swept_keys
 from stickslip.sweeps.plan import PlannedCase, plan_cases, plan_rows
 
 
-def planned(vary: dict, case: Case | None = None) -> tuple[PlannedCase, ...]:
+def planned(vary: dict[str, Any], case: Case | None = None) -> tuple[PlannedCase, ...]:
     return plan_cases(case or Case(), swept_keys(vary))
 
 
@@ -29,8 +30,11 @@ def test_every_combination_the_last_key_fastest() -> None:
         (100.0, "opposite"),
         (300.0, "single"),
     ]
-    assert cases[3].case.preload.centrifugal_force == 300.0
-    assert cases[1].case.excitation.mode == "same"
+    last, second = cases[3].case, cases[1].case
+    assert isinstance(last, TwoBladeCase)
+    assert last.preload.centrifugal_force == 300.0
+    assert isinstance(second, TwoBladeCase)
+    assert second.excitation.mode == "same"
     assert len({case.name for case in cases}) == len({case.key for case in cases}) == 6
 
 

@@ -17,7 +17,7 @@ import xarray
 
 import stickslip as ss
 from sentences import printed_sentence, rejects
-from stickslip.case.case import Case
+from stickslip.case.case import Case, TwoBladeCase
 from stickslip.core.errors import ConvergenceError, InputError, RoughnessError, StudyFileError
 from stickslip.core.progress import Progress
 from stickslip.model.model import ReducedModel
@@ -43,10 +43,13 @@ class Heard:
         self.news.append((stage, fraction, detail))
 
 
+Swept = tuple[Path, sweep_run.Sweep, Heard, Counter[str]]
+
+
 @pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, sweep_run.Sweep, Heard, Counter]:
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Swept:
     """A sweep of four cases in this process, its progress, and how often each shared step ran."""
-    calls: Counter = Counter()
+    calls: Counter[str] = Counter()
 
     def counted(module: object, name: str) -> None:
         original = getattr(module, name)
@@ -66,15 +69,18 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, sweep_run.Swe
 
 
 @pytest.mark.slow
-def test_one_row_and_one_file_for_each_case(swept: tuple) -> None:
+def test_one_row_and_one_file_for_each_case(swept: Swept) -> None:
     folder, result, _, _ = swept
     table = result.table
     assert table.column("preload.centrifugal_force") == [450.0, 450.0, 600.0, 600.0]
     assert table.column("excitation.mode") == ["single", "same", "single", "same"]
     assert table.failed == ()
     for row, file, curve in zip(table.rows, result.case_files, result.curves, strict=True):
+        assert file is not None
         saved = load_results(file)
         assert file == folder / "cases" / row.name / "results.nc"
+        assert saved.study is not None
+        assert curve is not None
         actual = summary(saved.response, saved.study.outputs["blade tip A"])
         assert row.measures["peak_amplitude_m"] == actual.peak.amplitude
         assert row.measures["shift_from_stuck_hz"] == actual.shift_from_stuck_hz
@@ -88,28 +94,31 @@ def test_one_row_and_one_file_for_each_case(swept: tuple) -> None:
 
 
 @pytest.mark.slow
-def test_a_case_of_a_sweep_is_the_case_of_a_run(swept: tuple, tmp_path: Path) -> None:
+def test_a_case_of_a_sweep_is_the_case_of_a_run(swept: Swept, tmp_path: Path) -> None:
     _, result, _, _ = swept
     case = quick_case().replace(
         {"preload.centrifugal_force": 600, "output.figure_formats": [], "output.mode_shapes": 0}
     )
     outcome = study.run(case.replace({"output.deflected_shape_frames": 0}), tmp_path)
+    assert result.case_files[2] is not None
     saved = load_results(result.case_files[2])
+    assert saved.study is not None
     assert saved.study.rough_patch is None  # not the same picture in every case
     np.testing.assert_array_equal(saved.response.displacement, outcome.response.displacement)
     alone = load_results(tmp_path / "results.nc").study
+    assert alone is not None
     assert saved.study.derived == alone.derived
     assert alone.sketch is not None
     assert saved.study.sketch is None  # it would be the same in the file of every case
 
 
 @pytest.mark.slow
-def test_shared_work_is_done_once(swept: tuple) -> None:
+def test_shared_work_is_done_once(swept: Swept) -> None:
     assert swept[3] == {"set_up": 1, "reduce_structure": 1, "solve": 4}
 
 
 @pytest.mark.slow
-def test_progress_counts_the_cases(swept: tuple) -> None:
+def test_progress_counts_the_cases(swept: Swept) -> None:
     news = swept[2].news
     assert [stage for stage, fraction, _ in news if fraction == 1.0] == ["Completed cases", "Checks", "Cases"]
     assert news[-1] == ("Cases", 1.0, "4 of 4")
@@ -119,7 +128,7 @@ def test_progress_counts_the_cases(swept: tuple) -> None:
 
 
 @pytest.mark.slow
-def test_table_files_contain_the_table(swept: tuple) -> None:
+def test_table_files_contain_the_table(swept: Swept) -> None:
     folder, result, _, _ = swept
     with (folder / "sweep.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
@@ -137,7 +146,7 @@ def test_table_files_contain_the_table(swept: tuple) -> None:
 
 
 @pytest.mark.long
-def test_two_processes_and_any_executor_give_the_same_table(swept: tuple, tmp_path: Path) -> None:
+def test_two_processes_and_any_executor_give_the_same_table(swept: Swept, tmp_path: Path) -> None:
     folder, result, _, _ = swept
     local = ss.sweep(quick_case(), VARY, out=tmp_path / "processes", workers=2)
     assert local.table == result.table
@@ -152,8 +161,8 @@ def test_an_executor_without_answer_is_reported_and_its_version_asked(monkeypatc
     class Slow(Executor):
         """Answers, with another version, once the wait was told."""
 
-        def submit(self, *_: object, **__: object) -> Future:
-            self.future: Future = Future()
+        def submit(self, *_: object, **__: object) -> Future[Any]:
+            self.future: Future[Any] = Future()
             return self.future
 
     class Listening(Heard):
@@ -170,7 +179,7 @@ def test_an_executor_without_answer_is_reported_and_its_version_asked(monkeypatc
 
 
 @pytest.mark.slow
-def test_a_sweep_continues_where_it_ended(swept: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_continues_where_it_ended(swept: Swept, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, result, _, _ = swept
     monkeypatch.setattr(schedule, "solve_task", None)  # solving would be a fault
     monkeypatch.setattr(sweep_run, "set_up", None)
@@ -184,7 +193,7 @@ def test_a_sweep_continues_where_it_ended(swept: tuple, monkeypatch: pytest.Monk
 
 
 @pytest.mark.slow
-def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: tuple, tmp_path: Path) -> None:
+def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: Swept, tmp_path: Path) -> None:
     folder, result, _, _ = swept
     shutil.copytree(folder, tmp_path / "copy")
     files = [tmp_path / "copy" / row.file for row in result.table.rows]
@@ -205,14 +214,15 @@ def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: tuple, t
         f'"{files[2]}" is missing. This case is solved again.',
     )
     assert again.table == result.table
+    assert result.case_files[0] is not None
     displacement = [load_results(file).response.displacement for file in (files[0], result.case_files[0])]
-    np.testing.assert_array_equal(*displacement)
+    np.testing.assert_array_equal(displacement[0], displacement[1])
     assert not abandoned.exists()
     assert ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1).reused == 4
 
 
 @pytest.mark.slow
-def test_cases_that_fail_are_rows_and_the_others_continue(swept: tuple, tmp_path: Path) -> None:
+def test_cases_that_fail_are_rows_and_the_others_continue(swept: Swept, tmp_path: Path) -> None:
     vary = {"roughness.fractal_roughness": ["1e-8 m", "1e-4 m"], "geometry.damper_length": ["28 mm", "40 mm"]}
     case = quick_case().replace({"preload.centrifugal_force": 450})
     result = ss.sweep(case, vary, out=tmp_path, workers=1)
@@ -232,6 +242,7 @@ def test_cases_that_fail_are_rows_and_the_others_continue(swept: tuple, tmp_path
 @pytest.mark.slow
 def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stopped(case: Case, model: ReducedModel, progress: Progress, threads: int, **options: Any) -> ForcedResponse:
+        assert isinstance(case, TwoBladeCase)
         if case.excitation.mode == "same":
             raise ConvergenceError("No first point at 440 Hz.")
         if case.excitation.mode == "opposite":
@@ -246,6 +257,7 @@ def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeyp
     partial, absent, fault = result.table.failed
     assert (partial.message, absent.message) == ("The step became too small.", "No first point at 440 Hz.")
     assert partial.measures["peak_amplitude_m"] > 0
+    assert result.case_files[0] is not None
     assert not load_results(result.case_files[0]).response.converged
     assert (absent.measures, absent.file) == ({}, "")
     log = tmp_path / "cases" / fault.name / "traceback.log"
@@ -269,12 +281,13 @@ def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeyp
 
 def test_wrong_input_is_rejected_before_a_folder_is_made(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    for vary, options, expected in (
+    wrong: tuple[tuple[dict[str, Any], dict[str, Any], tuple[Any, ...]], ...] = (
         ({"preload.centrifugal_force": "-1"}, {}, (InputError, "preload.centrifugal_force")),
         ({"solver.samples": "11,9"}, {}, (StudyFileError,)),
         (VARY, {"workers": 0}, (InputError, "workers")),
         (VARY, {"threads": 0}, (InputError, "threads")),
-    ):
+    )
+    for vary, options, expected in wrong:
         with rejects(*expected):
             ss.sweep(quick_case().replace({"solver.harmonics": 5}), vary, out=out, **options)
     assert not out.exists()
