@@ -9,7 +9,7 @@ from helpers import Blade
 from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
-from stickslip.solve.harmonic import compliance, harmonic_modes, reduced
+from stickslip.solve.harmonic import compliance, reduced
 
 HARMONICS, SAMPLES = 3, 128
 
@@ -66,14 +66,12 @@ def dense_correction(blade: Blade, omega: float, u: np.ndarray) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ["factor", "iteration", "iteration with few near modes", "single precision"])
+@pytest.mark.parametrize("way", ["factor", "iteration", "iteration with few near modes"])
 def test_every_point_equals_the_dense_newton(blade: Blade, way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     if way != "factor":
         monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
     if way == "iteration with few near modes":
         monkeypatch.setattr(compliance, "NEAR_RANGE", 3.0)
-    if way == "single precision":
-        monkeypatch.setattr(harmonic_modes, "SINGLE_COLUMNS", 0)
     curve = curve_of(blade)
     assert curve.converged
     assert (curve.contact_state == 2).any()

@@ -17,10 +17,6 @@ from stickslip.solve.harmonic.gain import ComplexArray, times_gain
 
 IndexArray = NDArray[np.int64]
 
-# From this number of columns on Newton's matrix has its static compliance in single precision: products read it from
-# memory, not from the cache (1000 columns and rows: 8 MB). Its error of 1e-7 is far below that of the far modes.
-SINGLE_COLUMNS = 1000
-
 
 class NewtonOperator(Protocol):
     """``A`` for the Newton matrix: all m rows, and the columns on which the deviation can change (k of them).
@@ -65,8 +61,8 @@ class HarmonicModes(Protocol):
 class NewtonCompliance:
     """``A`` of modes that all harmonics share, see :class:`NewtonOperator`."""
 
-    mean: FloatArray  # (k, m), in any precision
-    far: FloatArray  # (k, m) static compliance of the far modes, in any precision
+    mean: FloatArray  # (k, m)
+    far: FloatArray  # (k, m) static compliance of the far modes
     left: FloatArray  # (m, p) near modes at all rows
     right: FloatArray  # (k, p) near modes at the columns
     gain: ComplexArray  # (H, p) or (H, p, p)
@@ -74,22 +70,20 @@ class NewtonCompliance:
     def apply(self, deviation: FloatArray) -> FloatArray:
         """A @ deviation: (2H+1, m) from (2H+1, k)."""
         answer = np.empty((deviation.shape[0], self.far.shape[1]))
-        static = deviation.astype(self.far.dtype, copy=False)
-        answer[0] = static[0] @ self.mean
-        np.matmul(times_gain(self.gain, deviation[1:] @ self.right), self.left.T, out=answer[1:])
-        answer[1:] += static[1:] @ self.far
+        answer[0] = deviation[0] @ self.mean
+        near = times_gain(self.gain, deviation[1:] @ self.right)
+        np.matmul(deviation[1:], self.far, out=answer[1:])
+        answer[1:] += near @ self.left.T
         return answer
 
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
         answer = np.empty((weights.shape[0], self.far.shape[0]))
-        static = weights.astype(self.far.dtype, copy=False)
-        answer[0] = self.mean @ static[0]
+        answer[0] = self.mean @ weights[0]
         near = times_gain(
             self.gain.conj().swapaxes(-1, -2) if self.gain.ndim == 3 else self.gain.conj(), weights[1:] @ self.left
         )
-        answer[1:] = near @ self.right.T
-        answer[1:] += static[1:] @ self.far.T
+        answer[1:] = weights[1:] @ self.far.T + near @ self.right.T
         return answer
 
     def block(self, order: int, rows: IndexArray) -> ComplexArray:
@@ -143,9 +137,6 @@ class SharedModes:
         """See :class:`HarmonicModes`."""
         key = columns.tobytes()
         if self._cached is None or self._cached[0] != key:
-            # A matrix with all modes serves adjoint solutions, which have no later iteration that corrects them.
-            is_approximate = self._near_contact.shape[1] < self.contact.shape[1]
-            kind = np.float32 if is_approximate and columns.size >= SINGLE_COLUMNS else np.float64
-            self._cached = key, *(each[columns].astype(kind, copy=False) for each in (mean_contact, self._far))
+            self._cached = key, mean_contact[columns], self._far[columns]
         _, mean, far = self._cached
         return NewtonCompliance(mean, far, self._near_contact, self._near_contact[columns], gain)
