@@ -1,12 +1,15 @@
 """How time and memory grow with the number of contact pairs: the two-blade model with finer faces, 3 harmonics.
 
-``python benchmarks/growth.py 110 440 990``: each size runs in a process of its own, so that its peak memory is its own.
+``OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 python benchmarks/growth.py 110 440 990``: each size runs in a process of its
+own, so that its peak memory is its own. Seconds are process time of one thread, which other programs on the machine
+change less than wall time; ``--reduction`` ends after the reduction.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import os
 import resource
 import subprocess
 import sys
@@ -19,6 +22,7 @@ from stickslip.case.case import Case
 from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.study.analyses import solve
 
+REDUCTION = "--reduction"
 # Pairs of both faces -> elements up the contact face and along the damper.
 ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32)}
 
@@ -36,54 +40,77 @@ def case_with(n_pairs: int) -> Case:
     )
 
 
-def measure(n_pairs: int, threads: int = 2) -> dict[str, float]:
-    """Seconds of each part, points, and peak memory of this process."""
+def memory_gb() -> float:
+    """Peak memory of this process so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+
+
+def measure(n_pairs: int, only_reduction: bool) -> dict[str, float]:
+    """Process time of each part, points, and peak memory of this process."""
+    os.environ["STICKSLIP_CACHE"] = "off"
     case = case_with(n_pairs)
-    begin = time.perf_counter()
+    begin = time.process_time()
     structure = build_structure(case)
     joint = build_joint(case, structure)
-    model = build_model(case, structure, joint, threads)
-    reduced = time.perf_counter()
-    first: list[float] = []
-    last: list[float] = []
-
-    class Clock:
-        """Notes when the branch begins and ends."""
-
-        def update(self, stage: str, fraction: float, detail: str = "") -> None:
-            if "point" in detail and not detail.endswith("points"):
-                (last if first else first)[:] = [time.perf_counter()]
-
-    response = solve(case, model, Clock(), threads)
-    done = time.perf_counter()
-    peak = int(response.amplitude(next(iter(model.outputs.values()))).argmax())
-    counts = np.bincount(response.contact_state[peak], minlength=3)
-    return {
+    assembled = time.process_time()
+    model = build_model(case, structure, joint, threads=1)
+    reduced = time.process_time()
+    row = {
         "pairs": model.pairs.n_pairs,
         "mesh unknowns": structure.stiffness.shape[0],
         "reduced unknowns": model.superelement.size,
-        "reduction s": reduced - begin,
-        "modes and measures s": (first[0] - reduced) + (done - last[0]),
-        "curve s": last[0] - first[0],
+        "mesh s": assembled - begin,
+        "reduction s": reduced - assembled,
+        "memory after reduction GB": memory_gb(),
+    }
+    if only_reduction:
+        return row
+    first_stage: list[float] = []
+    points: list[float] = []
+
+    class Clock:
+        """Notes when the first point is looked for, and when the branch begins and ends."""
+
+        def update(self, stage: str, fraction: float, detail: str = "") -> None:
+            now = time.process_time()
+            if "first point" in detail and not first_stage:
+                first_stage.append(now)
+            if "Hz, point" in detail:
+                points[1:] = [now]
+                points[:1] = points[:1] or [now]
+
+    response = solve(case, model, Clock(), threads=1, checks=False)
+    done = time.process_time()
+    peak = int(response.amplitude(next(iter(model.outputs.values()))).argmax())
+    counts = np.bincount(response.contact_state[peak], minlength=3)
+    return row | {
+        "modes s": first_stage[0] - reduced,
+        "first point s": points[0] - first_stage[0],
+        "curve s": points[-1] - points[0],
+        "measures s": done - points[-1],
         "points": response.n_points,
         "iterations": int(response.iterations.sum()),
         "stuck at the peak": int(counts[0]),
         "separating at the peak": int(counts[2]),
         "largest residual": float(response.residual.max()),
-        "memory GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+        "memory GB": memory_gb(),
     }
 
 
 def main() -> None:
     """One line for each size, and the exponent of the time per point."""
     if sys.argv[1:2] == ["--one"]:
-        print(json.dumps(measure(int(sys.argv[2]))))
+        print(json.dumps(measure(int(sys.argv[2]), REDUCTION in sys.argv)))
         return
     before: dict[str, float] | None = None
-    for n_pairs in [int(argument) for argument in sys.argv[1:]] or sorted(ELEMENTS):
-        command = [sys.executable, __file__, "--one", str(n_pairs)]
+    options = [argument for argument in sys.argv[1:] if argument == REDUCTION]
+    for n_pairs in [int(argument) for argument in sys.argv[1:] if argument not in options] or sorted(ELEMENTS):
+        command = [sys.executable, __file__, "--one", str(n_pairs), *options]
         answer = subprocess.run(command, check=True, capture_output=True, text=True).stdout
         row: dict[str, float] = json.loads(answer.splitlines()[-1])
+        if options:
+            print(", ".join(f"{name} {value:.4g}" for name, value in row.items()), flush=True)
+            continue
         row["ms a point"] = 1e3 * row["curve s"] / row["points"]
         print(", ".join(f"{name} {value:.4g}" for name, value in row.items()), flush=True)
         if before is not None:

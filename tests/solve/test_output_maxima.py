@@ -21,6 +21,7 @@ from stickslip.solve.path.arc_length import Metric, Tangent
 from stickslip.solve.path.corrector import Corrector
 from stickslip.solve.path.newton import Correction
 from stickslip.solve.path.stepping import BranchPoint
+from stickslip.solve.setting_up import prepare_balances
 
 make = benchmark_module("torture_problems").make
 
@@ -43,6 +44,20 @@ def two_modes(window_hz: tuple[float, float] = WINDOW_HZ, **options: Any) -> ss.
         structure, pairs, [1.0, 1.0], frequency_hz=window_hz, harmonics=1, samples=16, continuation=LONG_STEPS,
         **options,
     )  # fmt: skip
+
+
+def test_outputs_of_a_vibration_are_those_of_its_displacement(blade: Blade) -> None:
+    force = ss.Excitation.force(blade.force_cos, blade.force_sin)
+    balances = prepare_balances(
+        blade.superelement, blade.pairs, force, 1e4, 2, 64, None, "tractrix", lambda stage: None
+    )  # fmt: skip
+    balance, random = balances.with_harmonics(2), np.random.default_rng(0)
+    outputs = random.standard_normal((3, blade.superelement.size))
+    amplitude = random.standard_normal((2, 4, blade.superelement.size))
+    still = np.zeros((2, 5, balance.rows))
+    expected = balance.compliance.displacement(amplitude, still)[:, 1:] @ outputs.T
+    answer = balances.vibration_of(outputs)(balance, amplitude)
+    np.testing.assert_allclose(answer, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("window_hz", [WINDOW_HZ, (88.0, 30.0)])

@@ -9,6 +9,8 @@ from helpers import Blade
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.solve.harmonic.damping import (
+    DAMPED_RANGE,
+    damping_root,
     diagonal_modal_damping,
     modal_basis,
     modal_damping,
@@ -30,6 +32,19 @@ def test_bench_damping_is_two_per_mille_on_the_stuck_modes(blade: Blade) -> None
     assert blade.superelement.damping is not None
     rebuilt = modal_damping_matrix(blade.superelement.mass, modes, modal_damping(frequency, 0.002, frequency.max()))
     assert np.abs(rebuilt - blade.superelement.damping).max() < 1e-6 * np.abs(rebuilt).max()
+
+
+def test_the_root_of_modal_damping_has_the_damped_modes_alone(blade: Blade) -> None:
+    mass = blade.superelement.mass
+    frequency, modes = modal_basis(mass, stuck_stiffness_matrix(blade.superelement, blade.pairs))
+    modal = modal_damping(frequency, 0.002, 1.001 * float(frequency[5]) / DAMPED_RANGE)
+    damped = np.count_nonzero(modal)
+    assert 6 <= damped < frequency.size
+    root = damping_root(mass, modes, modal)
+    assert root.shape == (frequency.size, damped)
+    expected = mass @ modes @ np.diag(modal) @ modes.T @ mass
+    np.testing.assert_allclose(root @ root.T, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+    assert damping_root(mass, modes, np.zeros_like(modal)).shape == (frequency.size, 0)
 
 
 def test_modes_far_above_the_excitation_are_not_damped(blade: Blade) -> None:

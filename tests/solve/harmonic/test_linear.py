@@ -28,6 +28,20 @@ def test_response_equals_direct_solves(blade: Blade) -> None:
                 assert np.abs(got - expected).max() < 1e-8 * np.abs(expected).max()
 
 
+def test_the_root_of_the_damping_gives_the_limit_of_the_damping(blade: Blade) -> None:
+    mass, stiffness = blade.superelement.mass, blade.superelement.stiffness
+    root = np.random.default_rng(0).standard_normal((len(mass), 3))
+    expected = LinearLimit.of_matrices(mass, stiffness, root @ root.T)
+    limit = LinearLimit.of_matrices(mass, stiffness, np.full_like(mass, np.nan), root)
+    force = np.zeros((3, len(mass)))
+    force[1], force[2] = blade.force_cos, blade.force_sin
+    omega = 2 * np.pi * np.array([470.0, 1040.0])
+    answer = expected.response(omega, force)
+    np.testing.assert_allclose(limit.response(omega, force), answer, rtol=0.0, atol=1e-9 * np.abs(answer).max())
+    np.testing.assert_array_equal(limit.rigid, expected.rigid)
+    np.testing.assert_allclose(limit.resonant.half_power_width, expected.resonant.half_power_width, rtol=1e-9)
+
+
 def test_frequencies_below_one_hertz_are_those_of_a_structure_and_free_bodies_have_none() -> None:
     """Everything below 1 Hz was left out as a body that moves freely."""
     soft = np.array([[2.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])  # two masses on springs and a free one
