@@ -125,6 +125,11 @@ class _Reader:
         if self._skipped:
             words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._skipped.items())
             raw.messages.append(f"ignored, without effect here: {words}.")
+        if loads := [f"*{keyword}" for keyword in ("DLOAD", "DSLOAD") if keyword in self._skipped]:
+            raw.messages.append(
+                f"{' and '.join(loads)} are not read: if a solved preload needs them, give [pressures.NAME], [gravity] "
+                "or [rotation] in the study."
+            )
         return raw
 
     def _bodies_of_blocks(self) -> list[tuple[str, RawBody]]:
