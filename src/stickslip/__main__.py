@@ -6,4 +6,4 @@ from stickslip.cli.main import main
 
 if __name__ == "__main__":
     sys.argv[0] = "stickslip"
-    sys.exit(main())
+    main()

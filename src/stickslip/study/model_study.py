@@ -108,9 +108,9 @@ def _sets(model: ImportedModel) -> Iterator[str]:
             yield f"# {words}: {', '.join(map(_text, names[:_SHOWN]))}{more}."
     labels = [] if model.equations is None else _moving(model.equations)
     if labels:
-        names = {label: f" (set {_text(name)})" for name, label in model.reference_sets.items()}
+        of_sets = {label: f" (set {_text(name)})" for name, label in model.reference_sets.items()}
         more = f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else ""
-        listed = ", ".join(f"node = {label}{names.get(label, '')}" for label in labels[:_SHOWN])
+        listed = ", ".join(f"node = {label}{of_sets.get(label, '')}" for label in labels[:_SHOWN])
         yield f"# Reference nodes, positions of forces and responses: {listed}{more}."
 
 
@@ -173,7 +173,7 @@ def _touching_faces(mesh: Mesh) -> Iterator[tuple[str, str]]:
     for place, one in enumerate(names):
         for other in names[place + 1 :]:
             nodes = [mesh.node_sets[one], mesh.node_sets[other]]
-            if np.intersect1d(*nodes).size:
+            if np.isin(nodes[0], nodes[1]).any():
                 continue
             boxes = [bounding_box(mesh.points[each]) for each in nodes]
             low, high = np.max([box[0] for box in boxes], axis=0), np.min([box[1] for box in boxes], axis=0)

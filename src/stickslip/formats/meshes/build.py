@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import scipy.spatial
@@ -19,6 +19,7 @@ from stickslip.formats.meshes.raw_contacts import GROUND, RawContact
 from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.formats.meshes.unit_systems import UnitSystem
 from stickslip.structure.cell_kinds import IntArray
+from stickslip.structure.equations import Equations
 from stickslip.structure.mesh import CellBlock, Mesh
 from stickslip.structure.model_facts import connected_parts, model_oddities
 
