@@ -69,7 +69,7 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
     equations = build_equations(raw, labels, mesh, units.length, messages, doubts)
     reference_sets = _reference_sets(raw, equations)
     messages += _without_solids("element", raw.element_sets, elements)
-    messages += _without_solids("node", raw.node_sets, nodes | reference_sets)
+    messages += _without_solids("node", raw.node_sets, {**nodes, **reference_sets})
     numbers = _NodeNumbers(raw, labels)
     return ImportedModel(
         mesh=mesh,
