@@ -8,7 +8,7 @@ import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse
@@ -20,7 +20,7 @@ from stickslip.formats.calculix_deck import write_calculix_deck
 from stickslip.model.kinds.two_blade_geometry import BladePairElements
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.structure.cell_kinds import CELL_KINDS
-from stickslip.structure.elasticity import Material, Structure, assemble, assemble_bodies, natural_frequencies
+from stickslip.structure.elasticity import Element, Material, Structure, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.mesh import Mesh
 
 COARSE = BladePairElements(
@@ -28,7 +28,7 @@ COARSE = BladePairElements(
     damper_columns=2, damper_flank_rows=1,
 )  # fmt: skip
 # Elements of CalculiX, the cells that they are, and our element for them.
-ELEMENTS = {
+ELEMENTS: dict[str, tuple[str, Element | Literal[""]]] = {
     "C3D8I": ("hexahedron", "incompatible"),
     "C3D8": ("hexahedron", "trilinear"),
     "C3D20": ("hexahedron20", "serendipity"),
@@ -68,7 +68,8 @@ def cut_bricks(mesh: Mesh, kind: str) -> Mesh:
     """Each brick as six tetrahedra around its diagonal 0-6, or two wedges; neighbours fit where their bricks have the
     same axes. The bodies are left, right and damper as far as the mesh has them."""
     local = PARTS["tetra" if kind.startswith("tetra") else "wedge"]
-    cells = mesh.cells[:, np.array(local)].reshape(-1, len(local[0]))
+    (bricks,) = mesh.blocks
+    cells = bricks.cells[:, np.array(local)].reshape(-1, len(local[0]))
     points, sets = mesh.points, dict(mesh.node_sets)
     if CELL_KINDS[kind].is_quadratic:
         ends = np.sort(cells[:, CELL_KINDS[kind].edges], axis=2)
@@ -83,9 +84,10 @@ def cut_bricks(mesh: Mesh, kind: str) -> Mesh:
     return Mesh(points, cells, np.repeat(mesh.body, len(local)), sets, names)
 
 
-def our_structure(mesh: Mesh, element: str) -> Structure:
-    """Our matrices of a mesh, clamped at its base."""
+def our_structure(mesh: Mesh, element: Element | Literal[""]) -> Structure:
+    """Our matrices of a mesh, clamped at its base; only bricks have a choice of elements."""
     if mesh.blocks[0].kind.startswith("hexahedron"):
+        assert element
         return assemble(mesh, Material(), element)
     return assemble_bodies(mesh, [Material()] * 3, fixed_nodes=mesh.node_sets["fixed"])
 

@@ -18,6 +18,7 @@ from calculix import our_structure
 from helpers import absent_tool
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces
+from stickslip.core.validation import FloatArray
 from stickslip.formats.calculix_deck import write_calculix_deck
 from stickslip.model.kinds.two_blade_geometry import BladePairElements
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
@@ -85,7 +86,7 @@ def line_load(mesh: Mesh, nodes: np.ndarray, force: float) -> list[tuple[int, fl
     return list(zip(nodes.tolist(), (force * share / share.sum()).tolist(), strict=True))
 
 
-def our_contact(model: PressedBlades, stiffness: float, friction: float, gap: ArrayLike = 0.0) -> FaceContact:
+def our_contact(model: PressedBlades, stiffness: float, friction: float, gap: FloatArray | float = 0.0) -> FaceContact:
     """Our solution with ``stiffness`` in N/m3 and ``gap`` in m of each pair; friction 0 is the frictionless state."""
     start = time.perf_counter()
     normal_stiffness = stiffness * model.pairs.area
@@ -179,10 +180,11 @@ def _contact_lines(model: PressedBlades, stiffness: float, friction: float, kind
 def _surface_lines(mesh: Mesh, nodes: np.ndarray) -> list[str]:
     inside = np.zeros(mesh.n_nodes, dtype=bool)
     inside[nodes] = True
+    (bricks,) = mesh.blocks
     return [
         f"{cell + 1}, S{number}"
         for number, corners in enumerate(BRICK_SIDES, start=1)
-        for cell in np.flatnonzero(inside[mesh.cells[:, corners]].all(axis=1))
+        for cell in np.flatnonzero(inside[bricks.cells[:, corners]].all(axis=1))
     ]
 
 

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from helpers import absent_tool, unmeasured
 
@@ -62,7 +63,7 @@ def address_of(folder: Path) -> str:
     file = folder / "scheduler.json"
     # Dask opens the file before it writes it: for a moment it is there and empty. Each file ends with its last brace.
     wait_until(lambda: file.exists() and file.read_text(encoding="utf-8").rstrip().endswith("}"), "no scheduler starts")
-    return json.loads(file.read_text(encoding="utf-8"))["address"]
+    return str(json.loads(file.read_text(encoding="utf-8"))["address"])
 
 
 def worker_arguments(folder: Path) -> tuple[str, ...]:
@@ -73,7 +74,7 @@ def worker_arguments(folder: Path) -> tuple[str, ...]:
 
 
 @contextmanager
-def started_sweep(study: Path, out: Path, loads: str, address: str, **options: object) -> Iterator[subprocess.Popen]:
+def started_sweep(study: Path, out: Path, loads: str, address: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
     """``stickslip sweep`` on the cluster with that address."""
     arguments = (str(study), "--vary", f"preload.centrifugal_force={loads}", "--out", str(out), "--scheduler", address)
     pipe = subprocess.PIPE

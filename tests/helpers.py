@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -69,6 +70,13 @@ def unmeasured() -> dict[str, str]:
     """Environment for a process that a test kills, or whose files it limits. Without the variables it records no
     coverage: half a record would be a damaged file, about which the report of the coverage warns."""
     return {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_PROCESS_")}
+
+
+def matched(pattern: str, text: str, flags: int = 0) -> re.Match[str]:
+    """The first match of a pattern in a text; the test fails if there is none."""
+    match = re.search(pattern, text, flags)
+    assert match is not None, f"{pattern} is not in {text[:200]}"
+    return match
 
 
 def absent_tool(name: str, advice: str) -> NoReturn:

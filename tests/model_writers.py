@@ -23,7 +23,8 @@ NASTRAN_TYPES = {"hexahedron": "CHEXA", "tetra": "CTETRA", "wedge": "CPENTA"}
 
 def kind_of(mesh: Mesh) -> CellKind:
     """The kind of the cells of a mesh, which are of one kind."""
-    return KIND_OF_SIZE[mesh.cells.shape[1]]
+    (block,) = mesh.blocks
+    return KIND_OF_SIZE[block.cells.shape[1]]
 
 
 def face_of(mesh: Mesh, name: str) -> np.ndarray:
@@ -63,7 +64,7 @@ def rotation_matrix(start: np.ndarray, stop: np.ndarray, angle_degrees: float) -
     x, y, z = (stop - start) / np.linalg.norm(stop - start)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     angle = np.radians(angle_degrees)
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)
 
 
 def write_parts(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], fixed: str) -> None:

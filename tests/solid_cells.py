@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg
 
+from stickslip.core.validation import FloatArray
 from stickslip.structure.cell_kinds import CELL_KINDS
+from stickslip.structure.elasticity import Material, Structure
 
 CORNERS = CELL_KINDS["hexahedron"].nodes
 # A brick in six tetrahedra around its diagonal 0-6, in two wedges, or as it is. Neighbouring bricks are cut along the
@@ -16,7 +18,7 @@ PARTS = {
 }
 
 
-def require_constant_strain(structure, points, outer, material):
+def require_constant_strain(structure: Structure, points: FloatArray, outer: np.ndarray, material: Material) -> None:
     """Inner nodes follow a linear displacement of the outer ones, and the energy is that of its strain."""
     gradient = np.array([[1.0, 0.4, -0.2], [0.3, -0.5, 0.7], [0.1, 0.6, 0.8]])
     exact = (points @ gradient.T).ravel()

@@ -1,7 +1,7 @@
 """Fixtures of meshes, for tests of structures and of the two blades."""
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +9,12 @@ import pytest
 
 from solid_cells import CORNERS
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces
+from stickslip.core.validation import FloatArray
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.structure.craig_bampton import craig_bampton
-from stickslip.structure.elasticity import Material, assemble
+from stickslip.structure.elasticity import Material, Structure, assemble
 from stickslip.structure.mesh import Mesh
+from stickslip.structure.superelement import Superelement
 
 DATA = Path(__file__).parent / "data"
 
@@ -31,31 +33,31 @@ def brick_block(counts: Sequence[int], lengths: Sequence[float], distortion: flo
 
 
 @pytest.fixture(scope="session")
-def make_block():
+def make_block() -> Callable[..., Mesh]:
     return brick_block
 
 
 @pytest.fixture(scope="session")
-def reference_mesh():
+def reference_mesh() -> dict[str, np.ndarray]:
     with np.load(DATA / "two_blade_mesh.npz") as data:
         return dict(data)
 
 
 @pytest.fixture(scope="session")
-def reference_frequencies():
+def reference_frequencies() -> dict[str, FloatArray]:
     with open(DATA / "two_blade_frequencies.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     return {name: np.array([float(row[name]) for row in rows]) for name in rows[0] if name.endswith("_hz")}
 
 
 @pytest.fixture(scope="session")
-def blade_mesh():
+def blade_mesh() -> Mesh:
     return blade_pair_mesh()
 
 
 @pytest.fixture(scope="session")
-def pairs_of():
-    def both_faces(mesh):
+def pairs_of() -> Callable[[Mesh], FacePairs]:
+    def both_faces(mesh: Mesh) -> FacePairs:
         sides = ("left", "right")
         return FacePairs.concatenate([pair_faces(mesh, f"damper_{side}_face", f"{side}_face") for side in sides])
 
@@ -63,16 +65,18 @@ def pairs_of():
 
 
 @pytest.fixture(scope="session")
-def blade_structure(blade_mesh):
+def blade_structure(blade_mesh: Mesh) -> Structure:
     return assemble(blade_mesh, Material())
 
 
 @pytest.fixture(scope="session")
-def blade_superelement(blade_mesh, blade_structure, pairs_of):
+def blade_superelement(
+    blade_mesh: Mesh, blade_structure: Structure, pairs_of: Callable[[Mesh], FacePairs]
+) -> Superelement:
     points = [blade_mesh.node_set(name) for name in ("excitation_left", "excitation_right", "response")]
     return craig_bampton(blade_structure, np.concatenate([pairs_of(blade_mesh).nodes, *points]), n_modes=30)
 
 
 @pytest.fixture(scope="module")
-def held_block(make_block):
+def held_block(make_block: Callable[..., Mesh]) -> Structure:
     return assemble(make_block((4, 2, 2), (2.0, 1.0, 1.0)), Material(), fixed_nodes=np.arange(9))

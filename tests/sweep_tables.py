@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -21,7 +21,7 @@ FORCE = SweptKey("excitation.amplitude", "N", (50.0, 100.0), (50.0, 100.0), "N",
 
 def sweep_view(
     keys: tuple[SweptKey, ...],
-    peaks: list[float | None],
+    peaks: Sequence[float | None],
     at_end: tuple[int, ...] = (),
     force_n: list[float] | None = None,
     points: int = 41,

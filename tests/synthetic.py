@@ -8,12 +8,14 @@ lean on the solver of the package.
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import scipy.linalg
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_harmonics import HarmonicForce, harmonic_force, harmonic_tangent
+from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -76,7 +78,9 @@ def _model(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray, ContactPair
     return mass, stiffness, pairs, np.tile(area, 2)
 
 
-def _dynamic_stiffness(mass, damping, stiffness, omega, harmonics):
+def _dynamic_stiffness(
+    mass: FloatArray, damping: FloatArray, stiffness: FloatArray, omega: float, harmonics: int
+) -> FloatArray:
     n = len(mass)
     blocks = [stiffness]
     for order in range(1, harmonics + 1):
@@ -85,8 +89,8 @@ def _dynamic_stiffness(mass, damping, stiffness, omega, harmonics):
         blocks.append(np.block([[diagonal, cross], [-cross, diagonal]]))
     matrix = scipy.linalg.block_diag(*blocks)
     # unknowns are stored (n, 2H+1); the blocks above hold (2H+1, n)
-    order = np.arange(n * (2 * harmonics + 1)).reshape(2 * harmonics + 1, n).T.ravel()
-    return matrix[np.ix_(order, order)]
+    position = np.arange(n * (2 * harmonics + 1)).reshape(2 * harmonics + 1, n).T.ravel()
+    return np.asarray(matrix[np.ix_(position, position)])
 
 
 @cache
@@ -113,7 +117,7 @@ def synthetic_response(
     first = flap[0]
     fine = first * (1 + 0.004 * np.sinh(np.linspace(-2.6, 2.2, n_points)))
 
-    def balance(x, omega):
+    def balance(x: FloatArray, omega: float) -> tuple[FloatArray, HarmonicForce, FloatArray, FloatArray]:
         coefficients = (pairs.operator @ x).reshape(pairs.n_pairs, 3, n_col)
         contact = harmonic_force(coefficients, pairs, samples)
         linear = _dynamic_stiffness(mass, damping, stiffness, omega, harmonics)
@@ -122,7 +126,7 @@ def synthetic_response(
         return coefficients, contact, linear, residual
 
     x = _linear(mass, damping, stuck, force, fine[:1], harmonics)[0]
-    rows_out = {
+    rows_out: dict[str, list[Any]] = {
         name: []
         for name in ("x", "state", "energy", "closure", "residual", "iterations", "input", "viscous", "kinetic")
     }
@@ -194,10 +198,17 @@ def synthetic_response(
 def _work(force: np.ndarray, displacement: np.ndarray, order: np.ndarray) -> np.ndarray:
     """(m,) J per cycle that a force (m, ..., 2H+1) does on a displacement, over harmonics and directions."""
     product = displacement[..., 2::2] * force[..., 1::2] - displacement[..., 1::2] * force[..., 2::2]
-    return np.pi * (order * product).reshape(len(force), -1).sum(axis=1)
+    return np.asarray(np.pi * (order * product).reshape(len(force), -1).sum(axis=1))
 
 
-def _linear(mass, damping, stiffness, force, frequency_hz, harmonics):
+def _linear(
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+    force: FloatArray,
+    frequency_hz: FloatArray,
+    harmonics: int,
+) -> FloatArray:
     """(q, n, 2H+1) of a linear structure under the first harmonic."""
     answer = np.zeros((len(frequency_hz), *force.shape))
     for i, frequency in enumerate(frequency_hz):

@@ -17,6 +17,7 @@ import typer
 from typer.testing import CliRunner
 
 import stickslip as ss
+from helpers import matched
 from stickslip.cli.main import app
 from stickslip.papers.rough_damper.plan import Scope, computations
 from sweep_cases import COARSE_MESH, quick_file
@@ -80,8 +81,8 @@ def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.slow
 def test_roughness_page_shows_what_the_command_prints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = (ROOT / "docs" / "roughness.md").read_text(encoding="utf-8")
-    command = re.search(r"^stickslip (roughness .+)$", page, flags=re.MULTILINE).group(1)
-    promised = re.search(r"```text\n(.*?)```", page, flags=re.DOTALL).group(1)
+    command = matched(r"^stickslip (roughness .+)$", page, flags=re.MULTILINE).group(1)
+    promised = matched(r"```text\n(.*?)```", page, flags=re.DOTALL).group(1)
     words = command.replace("examples/", f"{ROOT}/examples/").split()
     monkeypatch.chdir(tmp_path)
     printed = CliRunner().invoke(app, words).stdout
@@ -110,7 +111,7 @@ def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: py
     assert len(blocks) == 1
     monkeypatch.chdir(ROOT)
     exec(compile(blocks[0], "README.md", "exec"), {})
-    amplitude = float(re.search(r"([\d.]+) um", capsys.readouterr().out).group(1))
+    amplitude = float(matched(r"([\d.]+) um", capsys.readouterr().out).group(1))
     assert 190.0 < amplitude < 205.0
 
 
@@ -122,7 +123,7 @@ def test_the_page_on_rotation_runs(capsys: pytest.CaptureFixture[str]) -> None:
         exec(compile(block, "theory_rotation.md", "exec"), names)
     printed = capsys.readouterr().out
     # A crossing of order k is at k W / 60 in Hz.
-    at = float(re.search(r"mode 1 meets engine order 4 at (\d+) rpm", printed).group(1))
+    at = float(matched(r"mode 1 meets engine order 4 at (\d+) rpm", printed).group(1))
     assert 4.0 * at / 60.0 == pytest.approx(545.3, abs=1.0)
     assert len(re.findall(r"\d+ rpm: [\d.]+ um", printed)) == 2
 
@@ -301,7 +302,7 @@ def test_guide_to_own_structures(tmp_path: Path) -> None:
     """The study file of docs/studies.md is the example, and its commands exist; the example runs."""
     guide = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
     study = ROOT / "examples" / "own_mesh" / "study.toml"
-    assert re.search(r"```toml\n(.*?)```", guide, flags=re.DOTALL).group(1) == study.read_text(encoding="utf-8")
+    assert matched(r"```toml\n(.*?)```", guide, flags=re.DOTALL).group(1) == study.read_text(encoding="utf-8")
     runner = CliRunner()
     for command in re.findall(r"^stickslip (\w+)", guide, flags=re.MULTILINE):
         assert runner.invoke(app, [command, "--help"]).exit_code == 0

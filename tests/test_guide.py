@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from helpers import absent_tool
+from helpers import absent_tool, matched
 from stickslip.cli.main import app
 from stickslip.reporting.page_sections import CURVE, SECTIONS
 from sweep_cases import quick_file
@@ -78,8 +78,8 @@ def test_first_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.long
 def test_harmonics_and_samples(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     text = (DOCS / "choosing_harmonics_and_samples.md").read_text(encoding="utf-8")
-    script = re.search(r"<!-- tested -->\n```python\n(.*?)```", text, flags=re.DOTALL).group(1)
-    promised = re.search(r"```text\n(.*?)```", text, flags=re.DOTALL).group(1).splitlines()
+    script = matched(r"<!-- tested -->\n```python\n(.*?)```", text, flags=re.DOTALL).group(1)
+    promised = matched(r"```text\n(.*?)```", text, flags=re.DOTALL).group(1).splitlines()
     monkeypatch.chdir(ROOT)
     exec(compile(script, "choosing_harmonics_and_samples.md", "exec"), {})
     printed = capsys.readouterr().out.splitlines()
@@ -87,7 +87,7 @@ def test_harmonics_and_samples(capsys: pytest.CaptureFixture[str], monkeypatch: 
     assert len(printed) == len(promised) == 7
     error = {}
     for line, shown in zip(printed, promised, strict=True):
-        actual, reported = (re.fullmatch(row, words).groups() for words in (line, shown))
+        actual, reported = (matched(f"^(?:{row})$", words).groups() for words in (line, shown))
         assert actual[:2] == reported[:2]
         assert float(actual[2]) == pytest.approx(float(reported[2]), abs=0.05)
         error[int(actual[0]), int(actual[1])] = abs(float(actual[3]))

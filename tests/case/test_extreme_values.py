@@ -22,6 +22,7 @@ from stickslip.contact.law.coulomb_harmonics import MIN_SAMPLES
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.units import Count, Quantity
 from stickslip.model.model import load_joint, set_up
+from stickslip.structure.elasticity import Structure
 from stickslip.study.check import check
 from stickslip.study.facts import derived_quantities
 
@@ -122,6 +123,7 @@ def require_finite(case: Case) -> None:
     setup = set_up(case)
     joint = load_joint(case, setup.layout)
     structure = setup.assemble()
+    assert isinstance(structure, Structure)
     for array in (joint.preload, joint.normal_stiffness, joint.tangential_stiffness):
         assert np.isfinite(array).all()
     for matrix in (structure.stiffness, structure.mass):

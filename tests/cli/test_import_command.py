@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 
 from sentences import printed_sentence
 from stickslip.cli.main import app
@@ -11,11 +11,11 @@ from stickslip.cli.main import app
 MODELS = Path(__file__).parents[1] / "data" / "models"
 
 
-def run(*words):
+def run(*words: object) -> Result:
     return CliRunner().invoke(app, ["import", *map(str, words)])
 
 
-def sentences_of(output):
+def sentences_of(output: str) -> str:
     """What the command prints after its tables; lines end where the terminal does."""
     return " ".join(output.rpartition("┘")[2].split())
 
@@ -73,7 +73,7 @@ def test_wrong_units_are_warned_of() -> None:
         (["--length-unit", "mm", "--unit-system", "SI"], "unit_system"),
     ],
 )
-def test_bad_options_end_with_2(options, key):
+def test_bad_options_end_with_2(options: list[str], key: str) -> None:
     result = run(MODELS / "cubes.inp", *options)
     assert result.exit_code == 2
     printed_sentence(result.output, key)
@@ -90,7 +90,7 @@ def test_a_bad_file_ends_with_2(tmp_path: Path) -> None:
     "name",
     ["part.stl", "job.odb", "k.mtx", "study.toml", "notes.txt", "folder.inp", "binary.inp", "text.msh"],
 )
-def test_files_of_another_kind_end_with_2_and_advice(tmp_path, name):
+def test_files_of_another_kind_end_with_2_and_advice(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     if name.startswith("folder"):
         path.mkdir()

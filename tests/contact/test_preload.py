@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import cos, pi, radians, sin
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,8 +56,8 @@ def test_area_share_adds_up_on_each_face() -> None:
         ({"face": [0, 0, 1, 1, 1.5]}, "face"),
     ],
 )
-def test_values_out_of_range(changes: dict[str, object], key: str) -> None:
-    arguments = {"centrifugal_force": 500.0, "platform_angle": 0.5, "area": AREA, "face": FACE}
+def test_values_out_of_range(changes: dict[str, Any], key: str) -> None:
+    arguments: dict[str, Any] = {"centrifugal_force": 500.0, "platform_angle": 0.5, "area": AREA, "face": FACE}
     with rejects(InputError, key):
         uniform_preload(**(arguments | changes))
 
@@ -72,6 +73,6 @@ def test_prescribed_preload_is_a_checked_copy() -> None:
     "values",
     [(1.0, 2.0), 5.0, (1.0, float("nan"), 2.0), ("a", 1.0, 2.0)],
 )
-def test_prescribed_preload_of_the_wrong_form(values: object) -> None:
+def test_prescribed_preload_of_the_wrong_form(values: Any) -> None:
     with rejects(InputError, "preload"):
         prescribed_preload(values, 3)

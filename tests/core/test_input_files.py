@@ -5,7 +5,10 @@ import io
 import os
 import zipfile
 import zlib
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,7 +19,7 @@ from bombs import flat_memory
 from sentences import printed_sentence, rejects
 from stickslip.case.load import load_case
 from stickslip.core import input_files
-from stickslip.core.errors import ImportFileError, InputError, ResultsFileError, StudyFileError
+from stickslip.core.errors import ImportFileError, InputError, ResultsFileError, StickslipError, StudyFileError
 from stickslip.core.input_files import UnsuitableFileError, open_regular, read_regular
 from stickslip.formats.matrices.exchange import read_superelement
 from stickslip.formats.matrices.read import read_matrices
@@ -25,7 +28,7 @@ from stickslip.formats.profile_file import read_profile
 from stickslip.results.storage import load_results
 
 ZEROS = 3_000_000_000  # bytes that the bombs would unpack to
-READERS = {
+READERS: dict[str, Callable[[Path], object]] = {
     **{f"k{ending}": lambda path: read_matrices(path, path) for ending in (".mtx", ".npy", ".npz", ".mat", ".sti")},
     **{f"k{ending}": lambda path: read_matrices(path, path) for ending in (".hb", ".op4", ".full")},
     **{f"m{ending}": lambda path: read_model(path, "mm") for ending in (".inp", ".bdf", ".msh", ".vtu", ".med")},
@@ -37,14 +40,14 @@ READERS = {
 KINDS = {"results.nc": ResultsFileError, "study.toml": StudyFileError, "profile.txt": InputError}
 
 
-def rejects_file(name):
+def rejects_file(name: str) -> AbstractContextManager[pytest.ExceptionInfo[StickslipError]]:
     """The error of the reader of ``name``; matrices are all read as the stiffness."""
     return rejects(KINDS.get(name, ImportFileError), *(["stiffness"] if name.startswith("k.") else []))
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 @pytest.mark.parametrize("name", READERS)
-def test_a_named_pipe_is_rejected_at_once(tmp_path, name):
+def test_a_named_pipe_is_rejected_at_once(tmp_path: Path, name: str) -> None:
     os.mkfifo(tmp_path / name)
     with rejects_file(name):
         READERS[name](tmp_path / name)
@@ -52,21 +55,21 @@ def test_a_named_pipe_is_rejected_at_once(tmp_path, name):
 
 @pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="this system has no /dev/zero")
 @pytest.mark.parametrize("name", READERS)
-def test_a_device_is_rejected_at_once(tmp_path, name):
+def test_a_device_is_rejected_at_once(tmp_path: Path, name: str) -> None:
     (tmp_path / name).symlink_to("/dev/zero")
     with rejects_file(name):
         READERS[name](tmp_path / name)
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_a_folder_is_rejected(tmp_path, name):
+def test_a_folder_is_rejected(tmp_path: Path, name: str) -> None:
     (tmp_path / name).mkdir()
     with rejects_file(name):
         READERS[name](tmp_path / name)
 
 
 @pytest.mark.parametrize("name", [name for name in READERS if name != "results.nc"])
-def test_a_huge_file_is_rejected_before_it_is_read(tmp_path, name):
+def test_a_huge_file_is_rejected_before_it_is_read(tmp_path: Path, name: str) -> None:
     """A sparse file takes no room on the disk. Own results may have any size."""
     with (tmp_path / name).open("wb") as stream:
         stream.truncate(input_files.LARGEST_FILE + 1)
@@ -79,10 +82,10 @@ def test_the_opener(tmp_path: Path) -> None:
     assert read_regular(tmp_path / "file") == b"content"
     with pytest.raises(UnsuitableFileError) as caught:
         read_regular(tmp_path / "file", 6)
-    printed_sentence(caught.value.strerror)
+    printed_sentence(str(caught.value.strerror))
     with pytest.raises(UnsuitableFileError) as caught:
         open_regular(tmp_path)
-    printed_sentence(caught.value.strerror)
+    printed_sentence(str(caught.value.strerror))
     with pytest.raises(FileNotFoundError):
         open_regular(tmp_path / "nowhere")
 
@@ -90,7 +93,7 @@ def test_the_opener(tmp_path: Path) -> None:
 # --- packed bombs: what they would unpack to is told before it is unpacked
 
 
-def packed_zeros(count, head=b"", window=15):
+def packed_zeros(count: int, head: bytes = b"", window: int = 15) -> bytes:
     """``head`` and about ``count`` zeros, packed by zlib; one packed piece stands there again and again."""
     packer = zlib.compressobj(9, zlib.DEFLATED, window)
     start = packer.compress(head) + packer.flush(zlib.Z_FULL_FLUSH)
@@ -98,7 +101,7 @@ def packed_zeros(count, head=b"", window=15):
     return start + piece * (count // 10_000_000) + zlib.compressobj(9, zlib.DEFLATED, -15).flush()
 
 
-def zip_of_zeros(path):
+def zip_of_zeros(path: Path) -> None:
     """A .npz whose one array has 3 GB of zeros."""
     size = int((ZEROS / 8) ** 0.5)
     head = io.BytesIO()
@@ -110,25 +113,26 @@ def zip_of_zeros(path):
         entry.CRC = 0
         entry.file_size = len(head.getvalue()) + size * size * 8
         entry.header_offset = 0
+        assert archive.fp is not None
         archive.fp.write(entry.FileHeader(zip64=False) + packed)
         archive.filelist.append(entry)
         archive.start_dir = archive.fp.tell()
         archive.comment = b" "  # the list is written, as the archive has changed
 
 
-def packed_matlab(path):
+def packed_matlab(path: Path) -> None:
     """A version 5 file with one packed element that unpacks to 3 GB."""
     packed = packed_zeros(ZEROS)
     header = b"MATLAB 5.0 MAT-file".ljust(124) + (0x0100).to_bytes(2, "little") + b"IM"
     path.write_bytes(header + (15).to_bytes(4, "little") + len(packed).to_bytes(4, "little") + packed)
 
 
-def hdf5_of_zeros(path, name="data"):
+def hdf5_of_zeros(path: Path, name: str = "data") -> None:
     with h5py.File(path, "a") as file:
         file.create_dataset(name, (ZEROS // 8,), "f8", chunks=(1_000_000,), compression="gzip")
 
 
-def packed_vtu(path):
+def packed_vtu(path: Path) -> None:
     """One packed array that many arrays name: 3 GB in total, though each is small."""
     block = zlib.compress(bytes(30_000_000), 9)
     numbers = np.array([1, 30_000_000, 0, len(block)], dtype="<u4").tobytes()
@@ -153,7 +157,7 @@ BOMBS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", BOMBS)
-def test_a_packed_bomb_is_rejected(tmp_path, monkeypatch, name):
+def test_a_packed_bomb_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setattr(
         input_files, "LARGEST_UNPACKED", 200_000_000
     )  # as the bombs are counted while they are unpacked
@@ -200,15 +204,15 @@ def test_entities_of_xml_do_not_grow(tmp_path: Path) -> None:
 # --- HDF5 files that read other files
 
 
-def external_storage(file, secret):
+def external_storage(file: h5py.File, secret: Path) -> None:
     file.create_dataset("K", (2, 4), "u1", external=[(str(secret), 0, 8)])
 
 
-def external_link(file, secret):
+def external_link(file: h5py.File, secret: Path) -> None:
     file["K"] = h5py.ExternalLink(str(secret), "/K")
 
 
-def virtual_data(file, secret):
+def virtual_data(file: h5py.File, secret: Path) -> None:
     layout = h5py.VirtualLayout((2, 4), "u1")
     layout[...] = h5py.VirtualSource(str(secret), "K", (2, 4))
     file.create_virtual_dataset("K", layout)
@@ -216,7 +220,9 @@ def virtual_data(file, secret):
 
 @pytest.mark.parametrize("make", [external_storage, external_link, virtual_data])
 @pytest.mark.parametrize("name", ["k.mat", "m.med", "results.nc"])
-def test_hdf5_files_that_read_other_files_are_rejected(tmp_path, name, make):
+def test_hdf5_files_that_read_other_files_are_rejected(
+    tmp_path: Path, name: str, make: Callable[[h5py.File, Path], None]
+) -> None:
     secret = tmp_path / "secret"
     secret.write_bytes(b"password")
     with h5py.File(tmp_path / name, "w") as file:
@@ -233,7 +239,7 @@ def test_an_error_shows_no_line_of_a_file_that_is_another_one(tmp_path: Path) ->
     (tmp_path / "passwd").write_text("root:x:0:0:root 1.5\nme:x:1 2:secret\n")
     np.save(tmp_path / "k.npy", np.eye(6))
     for keys in ({"unknown_map": "passwd"}, {"node_positions": "passwd"}):
-        files = {key: tmp_path / name for key, name in keys.items()}
+        files: dict[str, Any] = {key: tmp_path / name for key, name in keys.items()}
         with rejects(ImportFileError, *keys) as caught:
             read_matrices(tmp_path / "k.npy", tmp_path / "k.npy", **files)
         assert "root:" not in str(caught.value)

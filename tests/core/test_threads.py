@@ -73,8 +73,11 @@ def test_every_item_is_worked_on_once(threads: int) -> None:
 
 
 def test_an_error_in_a_thread_is_raised() -> None:
+    def divide(item: int) -> None:
+        _ = item // 0
+
     with pytest.raises(ZeroDivisionError):
-        in_threads(lambda item: item // 0, [1, 2], 2)
+        in_threads(divide, [1, 2], 2)
 
 
 def test_small_products_get_one_thread() -> None:
@@ -109,8 +112,12 @@ def test_without_a_solver_there_is_one_call() -> None:
 
 def test_two_threads_work_at_the_same_time() -> None:
     together = threading.Barrier(2, timeout=30.0)
+
+    def meet(start: int, stop: int) -> None:
+        together.wait()
+
     with solver_threads(3, 2):
-        in_shares(lambda start, stop: together.wait() and None, 2, 1)
+        in_shares(meet, 2, 1)
 
 
 def test_a_share_of_a_share_is_not_divided() -> None:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import scipy.sparse.linalg
 from calculix import COARSE, ELEMENTS, blades, frequencies, our_structure, run_calculix, tied
 from sentences import rejects
 from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
 from stickslip.formats.calculix_deck import write_calculix_deck
 from stickslip.formats.matrices.read import read_matrices
 from stickslip.structure.cell_kinds import CELL_KINDS
@@ -28,7 +30,7 @@ MASS = {"C3D8I": 1e-12, "C3D8": 1e-12, "C3D20": 1e-12, "C3D10": 0.4, "C3D4": 0.4
 
 
 @pytest.fixture(scope="module", params=ELEMENTS)
-def compared(request, tmp_path_factory):
+def compared(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     """One element in both programs."""
     kind, ours = ELEMENTS[request.param]
     mesh, pairs = blades(kind)
@@ -48,19 +50,19 @@ def compared(request, tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_frequencies(compared):
+def test_frequencies(compared: SimpleNamespace) -> None:
     own = frequencies(*compared.ours, 10)  # type: ignore[call-arg]
     np.testing.assert_allclose(own, compared.printed, rtol=FREQUENCY[compared.element])
 
 
 @pytest.mark.slow
-def test_stored_matrices_give_the_frequencies_that_calculix_prints(compared):
+def test_stored_matrices_give_the_frequencies_that_calculix_prints(compared: SimpleNamespace) -> None:
     actual = frequencies(compared.model.stiffness, compared.model.mass, 10)
     np.testing.assert_allclose(actual, compared.printed, rtol=1e-6)
 
 
 @pytest.mark.slow
-def test_stored_matrices_entry_by_entry(compared):
+def test_stored_matrices_entry_by_entry(compared: SimpleNamespace) -> None:
     model = compared.model
     order = np.argsort(3 * (model.node - 1) + model.direction)
     outer, inner = np.split(order, [len(compared.kept)])
@@ -82,7 +84,7 @@ def test_stored_matrices_entry_by_entry(compared):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("compared", ["C3D4", "C3D10", "C3D15", "C3D6"], indirect=True)
-def test_tetrahedra_and_wedges_differ_by_the_points_of_their_quadrature(compared):
+def test_tetrahedra_and_wedges_differ_by_the_points_of_their_quadrature(compared: SimpleNamespace) -> None:
     """Stiffness and mass of the hexahedra are the same entry by entry: nothing is left to explain there."""
     points, weights = {
         "C3D4": (np.full((1, 3), 0.25), np.array([1 / 6])),
@@ -107,22 +109,24 @@ def test_tetrahedra_and_wedges_differ_by_the_points_of_their_quadrature(compared
     own = scattered(unknowns, stiff, 3 * compared.mesh.n_nodes)[free][:, free]
     if compared.element != "C3D6":
         assert abs(own - structure.stiffness).max() <= 1e-12 * abs(own).max()
-    structure = SimpleNamespace(full_size=3 * compared.mesh.n_nodes, free_unknowns=free, stiffness=own, mass=whole)
-    stiffness, mass, _ = tied(structure, compared.pairs)
+    scattered_structure: Any = SimpleNamespace(
+        full_size=3 * compared.mesh.n_nodes, free_unknowns=free, stiffness=own, mass=whole
+    )
+    stiffness, mass, _ = tied(scattered_structure, compared.pairs)
     order = np.argsort(3 * (compared.model.node - 1) + compared.model.direction)
     assert abs(stiffness - compared.model.stiffness[order][:, order]).max() <= 1e-12 * abs(stiffness).max()
     assert abs(mass - compared.model.mass[order][:, order]).max() <= 1e-12 * abs(mass).max()
     np.testing.assert_allclose(frequencies(stiffness, mass, 10), compared.printed, rtol=1e-6)
 
 
-def scattered(members, local, size):
+def scattered(members: np.ndarray, local: FloatArray, size: int) -> Any:
     """Sum of the matrices of cells at their members."""
     width = members.shape[1]
     rows, columns = np.repeat(members, width, axis=1).ravel(), np.tile(members, (1, width)).ravel()
     return scipy.sparse.csr_matrix((local.ravel(), (rows, columns)), shape=(size, size))
 
 
-def elastic_matrix():
+def elastic_matrix() -> FloatArray:
     """Stress from the strains xx, yy, zz and the three shear angles."""
     material = Material()
     shear = material.young_modulus / (2.0 * (1.0 + material.poisson_ratio))
@@ -130,14 +134,14 @@ def elastic_matrix():
     return np.diag([2.0 * shear] * 3 + [shear] * 3) + first * np.outer([1, 1, 1, 0, 0, 0], [1, 1, 1, 0, 0, 0])
 
 
-def two_points():
+def two_points() -> tuple[FloatArray, FloatArray]:
     """The rule of a 6-node wedge with the centre of the triangle alone, two along its axis."""
     points, weights = stiffness_rule(6)
     along = np.unique(points[:, 2].round(12))
     return np.column_stack([np.full((2, 2), 1 / 3), along]), np.full(2, weights.sum() / 2)
 
 
-def four_points():
+def four_points() -> tuple[FloatArray, FloatArray]:
     """The four-point rule of a tetrahedron."""
     a, b = (5 - np.sqrt(5)) / 20, (5 + 3 * np.sqrt(5)) / 20
     return np.array([[a, a, a], [b, a, a], [a, b, a], [a, a, b]]), np.full(4, 1 / 24)
@@ -167,9 +171,9 @@ def test_deck_names_sets_supports_ties_and_step(tmp_path: Path) -> None:
         ({"path": "deck.txt"}, ()),
     ],
 )
-def test_bad_options(tmp_path, options, keys):
+def test_bad_options(tmp_path: Path, options: dict[str, Any], keys: tuple[str, ...]) -> None:
     mesh, _ = blades("hexahedron", COARSE)
-    arguments = {"path": "deck.inp", "mesh": mesh, "materials": Material()} | options
+    arguments: dict[str, Any] = {"path": "deck.inp", "mesh": mesh, "materials": Material()} | options
     arguments["path"] = tmp_path / arguments["path"]
     with rejects(InputError, *keys):
         write_calculix_deck(**arguments)

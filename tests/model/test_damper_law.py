@@ -11,6 +11,8 @@ import stickslip as ss
 from sentences import printed_sentence, rejects
 from stickslip.contact.law.exponential import ExponentialContact
 from stickslip.model.model import load_joint, set_up
+from stickslip.results.measures import summary
+from stickslip.results.record import CONSTANT_STIFFNESS_PEAK
 from stickslip.study.facts import derived_quantities, study_warnings
 from sweep_cases import COARSE_MESH, quick_case
 
@@ -31,9 +33,15 @@ def test_both_faces_follow_the_law_with_the_springs_at_rest_of_coulomb_pairs() -
 
 
 @pytest.mark.slow
-def test_a_study_with_the_law_moves_its_peak_and_balances_its_energy() -> None:
-    curves = [ss.solve_case(quick_case().replace(changes)).response for changes in ({}, EXPONENTIAL)]
+def test_a_study_with_the_law_moves_its_peak_reports_the_difference_and_balances_its_energy() -> None:
+    solutions = [ss.solve_case(quick_case().replace(changes)) for changes in ({}, EXPONENTIAL)]
+    curves = [each.response for each in solutions]
     assert curves[1].converged
+    plain, followed = ({name: value for name, value, _, _ in each.record.derived} for each in solutions)
+    assert not any(name.startswith(CONSTANT_STIFFNESS_PEAK) for name in plain)
+    top = summary(curves[0], next(iter(solutions[0].record.outputs.values()))).peak
+    assert followed[CONSTANT_STIFFNESS_PEAK] == pytest.approx(1e6 * top.amplitude, rel=1e-6)
+    assert followed[f"{CONSTANT_STIFFNESS_PEAK}: frequency"] == pytest.approx(top.frequency_hz, rel=1e-6)
     lost = curves[1].dissipated_energy.sum(axis=1) + curves[1].viscous_energy
     np.testing.assert_allclose(lost, curves[1].input_energy, rtol=1e-5)
     first, second = (float(curve.amplitude(np.ones(curve.n_unknowns)).max()) for curve in curves)

@@ -30,6 +30,7 @@ def model(structure: Structure) -> Model:
 
 
 def test_default_sizes(model: Model) -> None:
+    assert isinstance(model.structure, Structure)
     assert model.structure.mesh.n_nodes == 5005
     assert model.superelement.size == 699
     assert model.pairs.n_pairs == 110
@@ -130,6 +131,7 @@ def test_excitation_modes(structure: Structure, model: Model, mode: str, right: 
 def test_outputs_read_the_full_mesh(model: Model) -> None:
     """A rigid shift of the boundary reads as itself, in each output's direction."""
     recovered = model.superelement.recovery
+    assert isinstance(model.structure, Structure)
     node = int(model.structure.mesh.node_sets["response"][0])
     generator = np.random.default_rng(0)
     motion = generator.normal(size=model.superelement.size)
@@ -140,4 +142,5 @@ def test_outputs_read_the_full_mesh(model: Model) -> None:
 def test_rayleigh_damping_goes_into_the_superelement(structure: Structure, model: Model) -> None:
     case = Case.from_mapping({"damping": {"rayleigh_alpha": "3 1/s", "rayleigh_beta": "1e-7 s"}})
     damped = build_model(case, structure, model.joint).superelement
+    assert damped.damping is not None
     assert np.allclose(damped.damping, 3.0 * damped.mass + 1e-7 * damped.stiffness, rtol=1e-9, atol=1e-9)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -21,7 +22,7 @@ from stickslip.model.model import Model, build_model, load_joint, set_up
 from stickslip.results.storage import load_results
 from stickslip.solve.harmonic.damping import modal_basis, stuck_stiffness_matrix
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
-from stickslip.structure.elasticity import natural_frequencies
+from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.study import run as study
 from stickslip.study.analyses import solve
 from stickslip.study.check import check
@@ -34,13 +35,13 @@ CONSTRAINED = "stuck (pairs closed at rest)"
 GIVEN = {"normal_stiffness": "5e7 N/m", "tangential_stiffness": "4e7 N/m"}
 
 
-def block_case(preload: dict[str, object], load: str = "80 N") -> Case:
+def block_case(preload: Mapping[str, object], load: str = "80 N") -> Case:
     """The block on the beam; its lid stays 10 um off the ground, so that the sole alone is closed."""
     data = mesh_case(interfaces__lid__gap="0.01 mm").to_dict()
     for interface in data["interfaces"].values():
         del interface["normal_load"]
     data["interfaces"]["sole"] |= GIVEN
-    data["preload"] = preload
+    data["preload"] = dict(preload)
     if preload.get("method") == "solved":
         data["static_loads"] = {"weight": {"set": "damper_top", "direction": [0, 0, -1], "force": load}}
     data["output"] |= {"mode_shapes": 4, "deflected_shape_frames": 0}
@@ -94,6 +95,7 @@ def test_one_state_in_report_shapes_and_curve(tmp_path: Path, preload: dict[str,
 def test_closing_the_open_pairs_would_be_seen() -> None:
     """The springs of the lid are no trifle here: with them the frequencies are others by a fifth and more."""
     actual = built(block_case(PRESCRIBED))
+    assert isinstance(actual.structure, Structure)
     all_closed = replace(actual.joint, preload=np.ones(48)).resting_springs
     wrong = reduction_table(actual.structure, actual.superelement, actual.joint.face_pairs, 3, all_closed)
     right = table_of(actual)
@@ -133,6 +135,7 @@ def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     table = table_of(actual)
     assert max(max(row.full_hz, row.reduced_hz) for row in table[:6]) < 0.1
     assert all(math.isnan(row.difference_percent) and math.isnan(row.mac) for row in table[:6])
+    assert isinstance(actual.structure, Structure)
     beam, _ = natural_frequencies(actual.structure.stiffness, actual.structure.mass, 8)
     assert [row.full_hz for row in table[6:8]] == pytest.approx(beam[6:], rel=1e-9)
     assert all(row.mac > 0.999 and row.difference_percent < 0.1 for row in table[6:8])
@@ -160,7 +163,7 @@ def test_friction_limit_only_where_the_state_was_found_with_friction() -> None:
     forces = {name: row for name, row in released.items() if name.startswith("Friction force at rest")}
     assert len(forces) == 2
     assert all(value == 0.0 and "without friction" in words for value, words in forces.values())
-    assert all(retained[name][0] > 1.0 and "resultant" in retained[name][1] for name in forces)
+    assert all(float(retained[name][0]) > 1.0 and "resultant" in retained[name][1] for name in forces)
 
 
 @pytest.mark.slow

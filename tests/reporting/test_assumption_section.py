@@ -15,6 +15,7 @@ from stickslip.reporting.page import page
 from stickslip.reporting.style import number
 from stickslip.reporting.view import View
 from stickslip.results.peak_gradients import PeakGradients
+from stickslip.results.record import CONSTANT_STIFFNESS_PEAK
 from stickslip.results.response import ForcedResponse
 from stickslip.results.stiffness_band import StiffnessBand
 from synthetic import synthetic_response, synthetic_study
@@ -79,7 +80,18 @@ def test_a_law_that_follows_the_pressure_says_so() -> None:
     one = np.ones(curve.pairs.n_pairs)
     law = exponential(1e6 * one, 1e6 * one, 0.3 * one, 10.0 * one)
     followed = replace(curve, pairs=ContactPairs.with_laws(curve.pairs.operator, [law]))
-    assert "follows the momentary pressure" in rows_of(followed)["Contact stiffness during the cycle"].here
+    row = rows_of(followed)["Contact stiffness during the cycle"]
+    assert "follows the momentary pressure" in row.here
+    assert not row.computed
+    peak = View.of(followed, STUDY).summary.peak
+    constant = (
+        (CONSTANT_STIFFNESS_PEAK, 1e6 * peak.amplitude / 1.1, "µm", ""),
+        (f"{CONSTANT_STIFFNESS_PEAK}: frequency", peak.frequency_hz + 2.0, "Hz", ""),
+    )
+    view = View.of(followed, replace(STUDY, derived=constant))
+    beside = {each.choice: each for each in assumptions(view)}["Contact stiffness during the cycle"]
+    assert beside.computed
+    assert beside.effect.startswith("10 % of the peak and −2")
 
 
 def test_a_joint_with_some_pairs_of_that_law_gives_their_number() -> None:

@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+from helpers import matched
 from sentences import printed_sentence
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.sweep_page import sweep_page
@@ -69,7 +70,7 @@ def test_the_page_reports_it_and_draws_each_limit_as_a_curve_over_the_load() -> 
     text = sweep_page(view, "Blades", StudyText("[study]"), {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"})
     assert text.count("The linear limits differ between the cases") == 1
     assert "runs from 30 µm (100 N) to 48 µm (800 N)" in text
-    figures = json.loads(re.search(r'id="page-figures">(.*?)</script>', text, flags=re.DOTALL).group(1))
+    figures = json.loads(matched(r'id="page-figures">(.*?)</script>', text, flags=re.DOTALL).group(1))
     free = next(t for t in figures["performance-load"]["data"] if t["name"] == "linear, no contact")
     assert dict(zip(free["x"], free["y"], strict=True)) == pytest.approx(
         {load: 1e6 * height for load, height in zip(LOADS.values, FREE, strict=True)}

@@ -4,6 +4,8 @@ import base64
 import dataclasses
 import json
 import re
+from collections.abc import Callable
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -11,6 +13,7 @@ import plotly.graph_objects
 import pytest
 
 from browser_pages import LARGEST_PAGE
+from helpers import matched
 from large_results import large_result
 from sentences import rejects
 from sketches import stacked_boxes
@@ -28,17 +31,19 @@ from stickslip.reporting.page_data import page_data
 from stickslip.reporting.section import Section
 from stickslip.reporting.view import View
 from stickslip.results.measures import summary, summary_table
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, save_results
 from synthetic import synthetic_response, synthetic_study
 
 
 @pytest.fixture(scope="module")
-def case():
+def case() -> tuple[ForcedResponse, StudyRecord]:
     return synthetic_response(), synthetic_study()
 
 
 @pytest.fixture(scope="module")
-def text(case) -> str:
+def text(case: tuple[ForcedResponse, StudyRecord]) -> str:
     return page(*case)
 
 
@@ -53,7 +58,7 @@ def without_plotly(text: str) -> str:
 
 
 @pytest.mark.slow
-def test_page_is_one_file_without_outside_references(text):
+def test_page_is_one_file_without_outside_references(text: str) -> None:
     own = without_plotly(text)
     assert len(text.encode()) < 15e6
     assert not re.search(r'(?:src|href)\s*=\s*"(?!data:,")', own)
@@ -61,14 +66,16 @@ def test_page_is_one_file_without_outside_references(text):
     assert "{{" not in own
 
 
-def test_page_says_what_the_reader_must_know(text):
+def test_page_says_what_the_reader_must_know(text: str) -> None:
     reference = ("Reference: modal test of the two blades.", "Full model against reference, %")
     for words in (*reference, "0-to-peak", "Hz", "stick-slip", "separating", "Equivalent damping ratio"):
         assert words in text
     assert 'class="notice' not in text
 
 
-def test_an_accuracy_is_on_the_page_with_the_error_of_the_peak(case, text):
+def test_an_accuracy_is_on_the_page_with_the_error_of_the_peak(
+    case: tuple[ForcedResponse, StudyRecord], text: str
+) -> None:
     response, study = case
     errors = np.full(response.n_points, 0.0012)
     errors[0] = 0.004
@@ -83,7 +90,7 @@ def test_an_accuracy_is_on_the_page_with_the_error_of_the_peak(case, text):
     assert "estimated error" not in text
 
 
-def test_failure_and_warnings_are_prominent(case):
+def test_failure_and_warnings_are_prominent(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     failed = dataclasses.replace(response, converged=False, message="Stopped at 420 Hz <fold>.", warnings=("Too few.",))
     text = without_plotly(page(failed, dataclasses.replace(study, warnings=("Sdq is above 1.",))))
@@ -104,10 +111,18 @@ def test_failure_and_warnings_are_prominent(case):
     )
 
 
-def test_peak_at_the_end_of_the_range_is_a_warning(case):
+def test_peak_at_the_end_of_the_range_is_a_warning(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     half = 12
-    parts = ("frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure", "residual")
+    parts: tuple[str, ...] = (
+        "frequency_hz",
+        "displacement",
+        "contact_state",
+        "dissipated_energy",
+        "normal_work",
+        "closure",
+        "residual",
+    )
     parts += ("iterations", "input_energy", "viscous_energy", "load_factor", "kinetic_energy", "part")
     cut = dataclasses.replace(response, **{name: getattr(response, name)[:half] for name in parts})
     text = without_plotly(page(cut, study))
@@ -115,7 +130,7 @@ def test_peak_at_the_end_of_the_range_is_a_warning(case):
     assert "highest computed, at an end of the curve at" in text
 
 
-def test_text_of_the_user_cannot_break_the_page(case):
+def test_text_of_the_user_cannot_break_the_page(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     nasty = dataclasses.replace(
         study, title="<b>T</b> {{data}}", inputs="</script><script>alert(1)</script>", face_names=("</script>", "R&D")
@@ -123,10 +138,10 @@ def test_text_of_the_user_cannot_break_the_page(case):
     text = without_plotly(page(response, nasty))
     assert "alert(1)</script>" not in text
     assert "&lt;b&gt;T&lt;/b&gt; {{data}}" in text
-    assert json.loads(re.search(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))["points"] == 40
+    assert json.loads(matched(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))["points"] == 40
 
 
-def test_figures_are_valid_plotly(case):
+def test_figures_are_valid_plotly(case: tuple[ForcedResponse, StudyRecord]) -> None:
     view = View.of(*case)
     drawn = [
         amplitude_frequency(view),
@@ -140,7 +155,7 @@ def test_figures_are_valid_plotly(case):
         plotly.graph_objects.Figure(figure)  # raises for an unknown key or value
 
 
-def test_packed_states_energies_and_forces(case):
+def test_packed_states_energies_and_forces(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     view = View.of(response, study)
     data = page_data(view)
@@ -161,7 +176,7 @@ def test_packed_states_energies_and_forces(case):
     np.testing.assert_allclose(relative[5], 1e6 * response.pair_coefficients(5), rtol=1e-6, atol=1e-9)
 
 
-def test_force_of_a_stuck_pair_is_its_spring_as_the_page_assumes(case):
+def test_force_of_a_stuck_pair_is_its_spring_as_the_page_assumes(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, pair = case[0], 7
     assert response.contact_state[0, pair] == 0
     motion = response.pair_displacement(0, response.samples)[:, pair, :2]
@@ -177,12 +192,15 @@ def held_numbers(view: View) -> int:
     )
 
 
-def test_maps_and_loops_are_thinned_to_the_room_and_keep_the_peak(case, monkeypatch):
+def test_maps_and_loops_are_thinned_to_the_room_and_keep_the_peak(
+    case: tuple[ForcedResponse, StudyRecord], monkeypatch: pytest.MonkeyPatch
+) -> None:
     view = View.of(*case)
     whole = page_data(view)
     assert whole["mapPoints"] == whole["loops"]["points"] == list(range(case[0].n_points))
     fixed = page_data_module.PAIR_CHARACTERS * 110 + page_data_module.POINT_CHARACTERS * 40
     fixed += sum(len(text) for text in whole["signals"].values())
+    assert case[1].rough_patch is not None
     fixed += page_data_module.HEIGHT_CHARACTERS * case[1].rough_patch.height.size
     for room, most_maps in ((400_000, 40), (30_000, 39)):
         monkeypatch.setattr(page_data_module, "DATA_CHARACTERS", fixed + room)
@@ -208,7 +226,7 @@ def test_no_page_grows_beyond_its_limit(n_pairs: int, n_points: int) -> None:
     assert response.pairs.n_pairs >= n_pairs
     text = page(response, study)
     assert len(text.encode()) < LARGEST_PAGE
-    data = json.loads(re.search(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))
+    data = json.loads(matched(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))
     assert data["loops"]["points"]
     assert 1 < len(data["mapPoints"]) <= n_points
 
@@ -223,9 +241,12 @@ def test_no_page_grows_beyond_its_limit_where_all_pairs_need_their_forces() -> N
     assert 11e6 < len(text.encode()) < LARGEST_PAGE
 
 
-def test_the_rough_face_is_drawn_about_its_mean_in_mm_and_um(case, text):
+def test_the_rough_face_is_drawn_about_its_mean_in_mm_and_um(
+    case: tuple[ForcedResponse, StudyRecord], text: str
+) -> None:
     patch = case[1].rough_patch
-    figure = json.loads(re.search(r'id="page-figures">(.*?)</script>', text, flags=re.S).group(1))["rough-map"]
+    assert patch is not None
+    figure = json.loads(matched(r'id="page-figures">(.*?)</script>', text, flags=re.S).group(1))["rough-map"]
     drawn = figure["data"][0]
     assert np.shape(drawn["z"]) == (40, 140)
     np.testing.assert_allclose(drawn["z"], 1e6 * (patch.height - patch.height.mean()), rtol=1e-3)
@@ -238,13 +259,13 @@ def test_the_rough_face_is_drawn_about_its_mean_in_mm_and_um(case, text):
     assert f"Sq {1e6 * patch.height.std():.4g} µm of the 5600 points" in text
 
 
-def test_a_study_without_roughness_has_no_rough_face(case):
+def test_a_study_without_roughness_has_no_rough_face(case: tuple[ForcedResponse, StudyRecord]) -> None:
     text = without_plotly(page(case[0], dataclasses.replace(case[1], rough_patch=None)))
     assert "Rough face" not in text
     assert "rough-map" not in text
 
 
-def test_quantities_from_the_pairing_are_folded(case):
+def test_quantities_from_the_pairing_are_folded(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     derived = (("Pressure", 1.5, "MPa", "mean"), ("Contact pairs, sole", 24, "-", FROM_PAIRING))
     text = without_plotly(page(response, dataclasses.replace(study, derived=derived)))
@@ -255,7 +276,7 @@ def test_quantities_from_the_pairing_are_folded(case):
     assert "Contact pairs, sole" in folded
 
 
-def test_digits_of_tables(case):
+def test_digits_of_tables(case: tuple[ForcedResponse, StudyRecord]) -> None:
     """Four digits of derived numbers, frequencies to 0.01 Hz; the record keeps all of them."""
     response, study = case
     derived = (
@@ -268,21 +289,26 @@ def test_digits_of_tables(case):
     assert re.findall(r"<td>(.*?)</td>", table) == ["452.34", "1.586", "0.8123"]
     modes = text[text.index("<h2>Natural frequencies") : text.index("<h2>Measures")]
     assert all(re.fullmatch(r"\d+\.\d\d", value) for value in re.findall(r"<td>(\d{3,}\.\d+)</td>", modes))
-    measured = re.search(r">Highest peak on the curve: frequency</th><td>(.*?) Hz<", text).group(1)
+    measured = matched(r">Highest peak on the curve: frequency</th><td>(.*?) Hz<", text).group(1)
     assert measured == f"{View.of(response, study).summary.peak.frequency_hz:.2f}"
     assert f"at {measured} Hz" in text
 
 
 @pytest.mark.slow
-def test_page_from_a_saved_file_is_the_same(case, text, tmp_path):
+def test_page_from_a_saved_file_is_the_same(
+    case: tuple[ForcedResponse, StudyRecord], text: str, tmp_path: Path
+) -> None:
     save_results(tmp_path / "results.nc", *case)
     again = load_results(tmp_path / "results.nc")
+    assert again.study is not None
     write_page(tmp_path / "report.html", again.response, again.study)
     assert (tmp_path / "report.html").read_text(encoding="utf-8") == text
 
 
 @pytest.mark.slow
-def test_page_from_a_file_that_is_older_than_sketches_and_rough_faces(case, tmp_path):
+def test_page_from_a_file_that_is_older_than_sketches_and_rough_faces(
+    case: tuple[ForcedResponse, StudyRecord], tmp_path: Path
+) -> None:
     sketched = dataclasses.replace(case[1], sketch=stacked_boxes())
     save_results(tmp_path / "results.nc", case[0], sketched)
     with h5py.File(tmp_path / "results.nc", "a") as file:
@@ -290,15 +316,16 @@ def test_page_from_a_file_that_is_older_than_sketches_and_rough_faces(case, tmp_
         for name in ("mode_contact", "rough_height", "rough_numbers"):
             del file["study"][name]
     old = load_results(tmp_path / "results.nc")
+    assert old.study is not None
     assert page(old.response, old.study) == page(case[0], dataclasses.replace(case[1], rough_patch=None))
 
 
-def test_page_to_a_folder_that_is_not_there(case, tmp_path):
+def test_page_to_a_folder_that_is_not_there(case: tuple[ForcedResponse, StudyRecord], tmp_path: Path) -> None:
     with rejects(InputError):
         write_page(tmp_path / "none" / "report.html", *case)
 
 
-def test_study_without_faces_groups_or_modes(case):
+def test_study_without_faces_groups_or_modes(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     bare = dataclasses.replace(study, signal_groups={}, mode_table=(), derived=())
     text = without_plotly(page(response, bare))
@@ -306,21 +333,26 @@ def test_study_without_faces_groups_or_modes(case):
     assert "Natural frequencies, contact" not in text
 
 
-def test_a_mode_that_only_the_reference_has_is_shown_without_deviation(case):
+def test_a_mode_that_only_the_reference_has_is_shown_without_deviation(
+    case: tuple[ForcedResponse, StudyRecord],
+) -> None:
     response, study = case
     short = dataclasses.replace(study, mode_table=(study.mode_table[0], {"mode": 2, "reference_hz": 530.0}))
     section = page(response, short).partition("Natural frequencies, contact")[2].partition("</section>")[0]
     assert re.search(r"<tr><td>2</td><td[^>]*>–</td>(<td>–</td>){4}<td>530.00</td><td>–</td></tr>", section)
 
 
-def test_a_section_is_one_object_and_shows_where_it_applies(case, monkeypatch):
+def test_a_section_is_one_object_and_shows_where_it_applies(
+    case: tuple[ForcedResponse, StudyRecord], monkeypatch: pytest.MonkeyPatch
+) -> None:
     def values(view: View) -> dict[str, int]:
         return {"largest": int(view.response.moving_pairs.max())}
 
+    def applies(which: bool) -> Callable[[View], bool]:
+        return lambda view: which
+
     sections = [
-        Section(
-            f"Moving pairs {which}", "<p>at most {{ largest }}</p>", values, applies=lambda view, which=which: which
-        )
+        Section(f"Moving pairs {which}", "<p>at most {{ largest }}</p>", values, applies=applies(which))
         for which in (True, False)
     ]
     monkeypatch.setattr(page_module, "SECTIONS", (*page_module.SECTIONS, *sections))  # type: ignore[attr-defined]
@@ -329,7 +361,9 @@ def test_a_section_is_one_object_and_shows_where_it_applies(case, monkeypatch):
     assert "Moving pairs False" not in text
 
 
-def test_states_of_other_laws_have_their_names(case, monkeypatch):
+def test_states_of_other_laws_have_their_names(
+    case: tuple[ForcedResponse, StudyRecord], monkeypatch: pytest.MonkeyPatch
+) -> None:
     response, study = case
     names = {ContactState.STUCK: "elastic", ContactState.STICK_SLIP: "sliding"}
     monkeypatch.setattr(CoulombLaw, "states", names)

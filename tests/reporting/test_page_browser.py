@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,13 +20,13 @@ PLOTS = 2 + 2 + 4 + 2 + 2 + 1
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator:
+def browser() -> Iterator[Any]:
     with opened_browser() as opened:
         yield opened
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory) -> Path:
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("report") / "report.html"
     write_page(path, synthetic_response(), synthetic_study())
     return path
@@ -38,7 +39,7 @@ def width() -> int:
 
 
 @pytest.fixture(scope="module")
-def opened_pages(browser, report) -> Iterator:
+def opened_pages(browser: Any, report: Path) -> Iterator[dict[int, Any]]:
     """The page in a window of each width, with the pair that it opens with."""
     with ExitStack() as stack:
         opened = {width: stack.enter_context(opened_page(browser, report, width)) for width in WIDTHS}
@@ -46,7 +47,7 @@ def opened_pages(browser, report) -> Iterator:
 
 
 @pytest.fixture
-def page(opened_pages, width) -> Iterator:
+def page(opened_pages: dict[int, Any], width: int) -> Iterator[Any]:
     """The page as it opens; it takes seconds to draw, so tests share it."""
     page, pair = opened_pages[width]
     yield page
@@ -57,15 +58,15 @@ def page(opened_pages, width) -> Iterator:
     settle(page)
 
 
-def colours(page, plot: str) -> list:
-    return page.evaluate(f"Array.from(document.getElementById('{plot}').data[0].marker.color)")
+def colours(page: Any, plot: str) -> list[str]:
+    return list(page.evaluate(f"Array.from(document.getElementById('{plot}').data[0].marker.color)"))
 
 
-def loop(page) -> list:
-    return page.evaluate("document.getElementById('loop').data.map(trace => [trace.x, trace.y])")
+def loop(page: Any) -> list[Any]:
+    return list(page.evaluate("document.getElementById('loop').data.map(trace => [trace.x, trace.y])"))
 
 
-def settle(page) -> None:
+def settle(page: Any) -> None:
     page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
@@ -80,13 +81,13 @@ _WATCH = """(() => {
 })()"""
 
 
-def test_the_curve_is_shown_before_the_other_figures_are_drawn(browser, report):
+def test_the_curve_is_shown_before_the_other_figures_are_drawn(browser: Any, report: Path) -> None:
     with opened_page(browser, report, before=_WATCH) as page:
         assert page.evaluate("window.curveFirst") is True
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_plots_are_drawn_and_nothing_overflows(page):
+def test_plots_are_drawn_and_nothing_overflows(page: Any) -> None:
     assert page.locator(".js-plotly-plot").count() == PLOTS
     require_readable(page)
     widths = page.evaluate("Array.from(document.querySelectorAll('.js-plotly-plot')).map(plot => plot.clientWidth)")
@@ -94,7 +95,7 @@ def test_plots_are_drawn_and_nothing_overflows(page):
     assert len(loop(page)[0][0]) > 60
 
 
-def test_slider_moves_the_maps_the_cursor_and_the_signals(page):
+def test_slider_moves_the_maps_the_cursor_and_the_signals(page: Any) -> None:
     before = colours(page, "state-map-0"), page.evaluate("document.getElementById('group-0').data[0].y")
     page.locator("#point").focus()
     page.keyboard.press("Home")
@@ -113,7 +114,7 @@ def test_slider_moves_the_maps_the_cursor_and_the_signals(page):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_pair_by_select_click_and_arrow_keys(page):
+def test_pair_by_select_click_and_arrow_keys(page: Any) -> None:
     before, chosen = loop(page), page.input_value("#pair")
     page.select_option("#pair", "3")
     assert loop(page) != before
@@ -145,7 +146,7 @@ SHOWN = """Object.fromEntries(
       trace.marker.color, trace.marker.symbol, trace.marker.cmin, trace.marker.cmax, trace.marker.cauto]])]))"""
 
 
-def test_what_the_page_opens_with_is_what_a_choice_of_the_same_point_shows(browser, report):
+def test_what_the_page_opens_with_is_what_a_choice_of_the_same_point_shows(browser: Any, report: Path) -> None:
     with opened_page(browser, report) as page:
         opened = page.evaluate(SHOWN)
         page.locator("#point").focus()
@@ -157,7 +158,7 @@ def test_what_the_page_opens_with_is_what_a_choice_of_the_same_point_shows(brows
         assert page.evaluate(SHOWN) == opened
 
 
-def test_loop_of_the_page_is_that_of_the_package(page):
+def test_loop_of_the_page_is_that_of_the_package(page: Any) -> None:
     response = synthetic_response()
     pair = int(page.input_value("#pair"))
     point = int(page.input_value("#point"))
@@ -167,14 +168,14 @@ def test_loop_of_the_page_is_that_of_the_package(page):
         assert drawn[axis][:-1] == pytest.approx(force[:, axis].tolist(), abs=2e-4 * abs(force[:, 2]).max())
 
 
-def test_curve_has_a_logarithmic_axis_on_request(page):
+def test_curve_has_a_logarithmic_axis_on_request(page: Any) -> None:
     page.click("#scale")
     page.wait_for_function("document.getElementById('curve').layout.yaxis.type === 'log'")
     assert page.inner_text("#scale") == "Linear axis"
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_the_keyboard_alone_moves_the_point_and_the_pair(browser, report, width):
+def test_the_keyboard_alone_moves_the_point_and_the_pair(browser: Any, report: Path, width: int) -> None:
     with opened_page(browser, report, width) as page:  # of its own: the keyboard starts at its top
         stops = tab_stops(page)
         wanted = ["scale", "point", "to-peak", "previous-pair", "pair", "next-pair"]
@@ -206,14 +207,14 @@ def test_the_keyboard_alone_moves_the_point_and_the_pair(browser, report, width)
         page.wait_for_function("document.getElementById('curve').layout.yaxis.type === 'log'")
 
 
-def go_to(page, name: str) -> None:
+def go_to(page: Any, name: str) -> None:
     """Press Tab until an element has the focus."""
     page.evaluate("() => document.activeElement.blur()")
     while page.evaluate("document.activeElement.id") != name:
         page.keyboard.press("Tab")
 
 
-def test_size_and_points_of_a_long_curve(browser, tmp_path):
+def test_size_and_points_of_a_long_curve(browser: Any, tmp_path: Path) -> None:
     """Pages stay small because the curves and loops are thinned by their shape; nothing of the shape is lost."""
     response = synthetic_response(n_points=150)
     path = tmp_path / "long.html"
@@ -228,8 +229,8 @@ def test_size_and_points_of_a_long_curve(browser, tmp_path):
 
 @pytest.mark.parametrize(("n_pairs", "characters", "has_loops"), [(2000, 9_000_000, True), (110, 216_000, False)])
 def test_what_a_page_of_very_many_pairs_leaves_out_is_reported(
-    browser, tmp_path, monkeypatch, n_pairs, characters, has_loops
-):
+    browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, n_pairs: int, characters: int, has_loops: bool
+) -> None:
     monkeypatch.setattr("stickslip.reporting.page_data.DATA_CHARACTERS", characters)
     path = tmp_path / "many.html"
     write_page(path, *large_result(n_pairs, 300))

@@ -7,12 +7,13 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, tab_stops
-from helpers import opened_browser
+from helpers import matched, opened_browser
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.reporting import sweep_plots as plots
@@ -31,8 +32,11 @@ def page_of(view: SweepView) -> str:
     return sweep_page(view, "Two <blades>", StudyText("[study]"), PROVENANCE)
 
 
-def figures_of(view: SweepView) -> dict:
-    return json.loads(re.search(r'id="page-figures">(.*?)</script>', page_of(view), flags=re.DOTALL).group(1))
+def figures_of(view: SweepView) -> dict[str, Any]:
+    figures: dict[str, Any] = json.loads(
+        matched(r'id="page-figures">(.*?)</script>', page_of(view), flags=re.DOTALL).group(1)
+    )
+    return figures
 
 
 def test_every_curve_is_drawn_whole() -> None:
@@ -43,6 +47,7 @@ def test_every_curve_is_drawn_whole() -> None:
     assert [entry["name"] for entry in legend] == ["100 N", "200 N", "400 N", "800 N"]
     assert [entry["line"]["color"] for entry in legend] == [trace["line"]["color"] for trace in traces]
     for trace, curve in zip(traces, view.curves, strict=True):
+        assert curve is not None
         assert trace["y"] == pytest.approx(1e6 * curve.amplitude_m, rel=1e-6)
     assert len({trace["line"]["color"] for trace in traces}) == 4
 
@@ -53,6 +58,7 @@ def test_a_huge_sweep_is_thinned_and_reports_it(monkeypatch: pytest.MonkeyPatch)
     traces = figures_of(view)["curves"]["data"][:4]
     assert sum(len(trace["x"]) for trace in traces) <= 300
     for trace, curve in zip(traces, view.curves, strict=True):
+        assert curve is not None
         assert (trace["x"][0], trace["x"][-1]) == (440.0, 480.0)
         assert max(trace["y"]) == pytest.approx(1e6 * curve.amplitude_m.max(), rel=1e-6)
     assert re.search(r"of 8004 points are plotted", page_of(view))
@@ -73,7 +79,7 @@ def test_very_many_curves_share_lines_and_none_is_left_out(monkeypatch: pytest.M
     assert 55 <= len(lines) <= 61
     drawn = [value for line in lines for value in line["y"] if value is not None]
     assert sorted(drawn) == pytest.approx(
-        sorted(float(1e6 * value) for curve in view.curves for value in curve.amplitude_m), rel=1e-6
+        sorted(float(1e6 * value) for curve in view.curves if curve for value in curve.amplitude_m), rel=1e-6
     )
     assert sum(line["y"].count(None) for line in lines) == 200 - len(lines)
     assert re.search("centrifugal force 100 N to ", lines[0]["hovertemplate"])
@@ -156,7 +162,10 @@ def test_damper_performance_marks_optimum_and_limits() -> None:
 
 def test_peaks_of_slow_sweeps_are_told_apart_where_they_are_lower() -> None:
     view = sweep_view((LOADS,), BOWL)
-    reached = {"upward_peak_amplitude_m": [2e-4, 1e-4, None, 4e-4], "downward_peak_amplitude_m": BOWL}
+    reached: dict[str, list[Any]] = {
+        "upward_peak_amplitude_m": [2e-4, 1e-4, None, 4e-4],
+        "downward_peak_amplitude_m": BOWL,
+    }
     rows = tuple(
         replace(row, measures={**row.measures, **{name: v[i] for name, v in reached.items() if v[i] is not None}})
         for i, row in enumerate(view.table.rows)
@@ -228,7 +237,7 @@ def test_a_place_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator:
+def browser() -> Iterator[Any]:
     with opened_browser() as opened:
         yield opened
 
@@ -243,7 +252,7 @@ def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
-def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width: int) -> None:
+def test_the_page_draws_itself_without_network(browser: Any, sweep_file: Path, width: int) -> None:
     with opened_page(browser, sweep_file, width) as page:
         assert page.locator(".js-plotly-plot").count() == 1 + 2 + 2 + 2
         require_readable(page)
@@ -252,7 +261,7 @@ def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width:
 
 
 @pytest.mark.slow
-def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
+def test_the_keyboard_reaches_everything(browser: Any, sweep_file: Path) -> None:
     with opened_page(browser, sweep_file) as page:
         stops = tab_stops(page)
         assert stops[0]["name"] == "Contents"
@@ -265,7 +274,7 @@ def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_large_sweep_stays_small_and_draws_every_curve(browser, tmp_path: Path) -> None:
+def test_a_large_sweep_stays_small_and_draws_every_curve(browser: Any, tmp_path: Path) -> None:
     loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
     view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)], points=2001)
     path = tmp_path / "sweep.html"

@@ -1,6 +1,7 @@
 """ForcedResponse: amplitudes, signals, pair cycles, equality and refusals."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ def test_amplitude_without_motion_or_without_harmonics() -> None:
     np.testing.assert_array_equal(periodic_amplitude(np.array([[-3.0]])), [3.0])
 
 
-def test_harmonic_amplitude_and_signal_agree_with_the_coefficients(response):
+def test_harmonic_amplitude_and_signal_agree_with_the_coefficients(response: ForcedResponse) -> None:
     row = np.eye(N_UNKNOWNS)[0]
     coefficients = response.displacement[:, 0]
     np.testing.assert_allclose(response.harmonic_amplitude(row, 2), np.hypot(coefficients[:, 3], coefficients[:, 4]))
@@ -49,13 +50,13 @@ def test_harmonic_amplitude_and_signal_agree_with_the_coefficients(response):
     assert response.amplitude(row)[7] >= np.abs(expected).max() * (1 - 1e-14)
 
 
-def test_pair_displacement_is_operator_times_displacement(response):
+def test_pair_displacement_is_operator_times_displacement(response: ForcedResponse) -> None:
     motion = response.pair_displacement(4, 32)
     u = response.displacement[4] @ synthesis_matrix(response.harmonics, 32).T
     np.testing.assert_allclose(motion.reshape(32, -1), (response.pairs.operator @ u).T, atol=1e-20)
 
 
-def test_pair_cycle_reproduces_stored_states_and_energies(response):
+def test_pair_cycle_reproduces_stored_states_and_energies(response: ForcedResponse) -> None:
     point = int(response.dissipated_energy.sum(axis=1).argmax())
     cycle = response.pair_cycle(point)
     assert response.dissipated_energy[point].sum() > 0
@@ -64,7 +65,7 @@ def test_pair_cycle_reproduces_stored_states_and_energies(response):
     np.testing.assert_allclose(cycle.dissipated_energy.sum(), response.dissipated_energy[point].sum(), rtol=0.02)
 
 
-def test_equality_looks_at_every_entry(response):
+def test_equality_looks_at_every_entry(response: ForcedResponse) -> None:
     same = dataclasses.replace(response, displacement=response.displacement.copy())
     assert same == response
     changed = response.displacement.copy()
@@ -86,12 +87,12 @@ def test_equality_looks_at_every_entry(response):
         ({"frequency_hz": np.empty(0)}, "frequency_hz"),
     ],
 )
-def test_wrong_arrays_are_rejected(response, change, key):
+def test_wrong_arrays_are_rejected(response: ForcedResponse, change: dict[str, Any], key: str) -> None:
     with rejects(InputError, key):
         dataclasses.replace(response, **change)
 
 
-def test_wrong_questions_are_rejected(response):
+def test_wrong_questions_are_rejected(response: ForcedResponse) -> None:
     with rejects(InputError, "output"):
         response.amplitude(np.ones(3))
     with rejects(InputError, "harmonic"):
@@ -107,8 +108,11 @@ def test_the_curve_is_drawn_in_hz_and_um_zero_to_peak(response: ForcedResponse) 
     (axes,) = response.plot(row, "tip $x$").axes
     lines = {line.get_label(): line for line in axes.lines}
     np.testing.assert_array_equal(lines["with friction"].get_xdata(), response.frequency_hz)
-    np.testing.assert_allclose(lines["with friction"].get_ydata(), 1e6 * response.amplitude(row), rtol=1e-14)
-    np.testing.assert_allclose(lines["linear, no contact"].get_ydata(), 1e6 * response.linear_amplitude(row, "free"))
+    np.testing.assert_allclose(
+        np.asarray(lines["with friction"].get_ydata()), 1e6 * response.amplitude(row), rtol=1e-14
+    )
+    without_contact = np.asarray(lines["linear, no contact"].get_ydata())
+    np.testing.assert_allclose(without_contact, 1e6 * response.linear_amplitude(row, "free"))
     assert "linear, all stuck" in lines
     assert axes.get_xlabel() == "Excitation frequency, Hz"
     assert axes.get_ylabel() == "Amplitude, 0-to-peak, µm\ntip $x$"

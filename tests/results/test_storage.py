@@ -6,7 +6,9 @@ import random
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, NoReturn
 
 import h5netcdf
 import h5py
@@ -32,31 +34,31 @@ def response() -> ForcedResponse:
     )
 
 
-def changed_pairs(response: ForcedResponse, **constants) -> ContactPairs:
+def changed_pairs(response: ForcedResponse, **constants: Any) -> ContactPairs:
     """The pairs of a response with other constants of their Coulomb law."""
     return ContactPairs.with_laws(response.pairs.operator, [dataclasses.replace(response.pairs.coulomb, **constants)])
 
 
 @pytest.fixture(scope="module")
-def stored(response):
+def stored(response: ForcedResponse) -> bytes:
     return results_bytes(response, synthetic_study(4, 3))
 
 
 @pytest.fixture
-def saved(stored, tmp_path):
+def saved(stored: bytes, tmp_path: Path) -> Path:
     (tmp_path / "results.nc").write_bytes(stored)
     return tmp_path / "results.nc"
 
 
 @pytest.mark.slow
-def test_response_and_study_come_back_equal(response, saved):
+def test_response_and_study_come_back_equal(response: ForcedResponse, saved: Path) -> None:
     again = load_results(saved)
     assert again.response == response
     assert again.study == synthetic_study(4, 3)
     assert os.listdir(saved.parent) == ["results.nc"]
 
 
-def test_a_file_without_a_rough_face_is_read(response, tmp_path):
+def test_a_file_without_a_rough_face_is_read(response: ForcedResponse, tmp_path: Path) -> None:
     """Files of runs before the picture was kept, cases of sweeps, and studies without roughness have none."""
     study = dataclasses.replace(synthetic_study(4, 3), rough_patch=None)
     save_results(tmp_path / "plain.nc", response, study)
@@ -74,12 +76,12 @@ def test_a_file_without_a_rough_face_is_read(response, tmp_path):
         ({"length": 0.0}, ("length", "width")),
     ],
 )
-def test_a_rough_face_that_is_no_grid_is_rejected(change, keys):
+def test_a_rough_face_that_is_no_grid_is_rejected(change: dict[str, Any], keys: tuple[str, ...]) -> None:
     with rejects(InputError, *keys):
         dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)  # type: ignore[type-var]
 
 
-def test_response_alone_and_anisotropic_pairs(response, tmp_path):
+def test_response_alone_and_anisotropic_pairs(response: ForcedResponse, tmp_path: Path) -> None:
     springs = np.column_stack([response.pairs.tangential_stiffness, 0.9 * response.pairs.tangential_stiffness])
     changed = dataclasses.replace(
         response,
@@ -92,7 +94,7 @@ def test_response_alone_and_anisotropic_pairs(response, tmp_path):
     assert load_results(tmp_path / "a.nc").study is None
 
 
-def test_residual_tractions_come_back(response, tmp_path):
+def test_residual_tractions_come_back(response: ForcedResponse, tmp_path: Path) -> None:
     traction = 0.5 * response.pairs.friction_coefficient[:, None] * response.pairs.normal_load[:, None] * [[0.6, -0.8]]
     changed = dataclasses.replace(response, pairs=changed_pairs(response, residual_traction=traction))
     changed.save(tmp_path / "kept.nc")
@@ -101,13 +103,13 @@ def test_residual_tractions_come_back(response, tmp_path):
     assert again.pairs.residual_traction is not None
 
 
-def test_long_study_file_survives(response, tmp_path):
+def test_long_study_file_survives(response: ForcedResponse, tmp_path: Path) -> None:
     study = dataclasses.replace(synthetic_study(4, 3), inputs="# line of the study file\n" * 8000)
     save_results(tmp_path / "long.nc", response, study)
     assert load_results(tmp_path / "long.nc").study == study
 
 
-def test_file_is_labelled_for_other_readers(response, saved):
+def test_file_is_labelled_for_other_readers(response: ForcedResponse, saved: Path) -> None:
     with xarray.open_dataset(saved, engine="h5netcdf") as root:
         assert root.attrs["stickslip_format"] == FORMAT_VERSION
         assert root["displacement_cosine"].dims == ("point", "unknown", "harmonic")
@@ -138,7 +140,7 @@ def test_netcdf_of_another_program(tmp_path: Path) -> None:
         load_results(tmp_path / "other.nc")
 
 
-def test_file_of_another_version(saved):
+def test_file_of_another_version(saved: Path) -> None:
     with h5py.File(saved, "r+") as file:
         file.attrs["stickslip_format"] = FORMAT_VERSION + 1
     with rejects(ResultsFileError):
@@ -147,14 +149,14 @@ def test_file_of_another_version(saved):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.9, 0.999])
-def test_truncated_file(saved, share):
+def test_truncated_file(saved: Path, share: float) -> None:
     whole = saved.read_bytes()
     saved.write_bytes(whole[: int(share * len(whole))])
     with rejects(ResultsFileError):
         load_results(saved)
 
 
-def test_flipped_bits_in_the_data_are_noticed(saved):
+def test_flipped_bits_in_the_data_are_noticed(saved: Path) -> None:
     with h5py.File(saved) as file:
         chunk = file["displacement_cosine"].id.get_chunk_info(0)
     data = bytearray(saved.read_bytes())
@@ -164,17 +166,19 @@ def test_flipped_bits_in_the_data_are_noticed(saved):
         load_results(saved)
 
 
-def test_missing_variable_is_damage(saved):
+def test_missing_variable_is_damage(saved: Path) -> None:
     with h5py.File(saved, "r+") as file:
         del file["message"]
     with rejects(ResultsFileError):
         load_results(saved)
 
 
-def test_failed_save_leaves_the_old_file_and_no_other(response, saved, monkeypatch):
+def test_failed_save_leaves_the_old_file_and_no_other(
+    response: ForcedResponse, saved: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     before = saved.read_bytes()
 
-    def full(*_, **__):
+    def full(*_: object, **__: object) -> NoReturn:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "replace", full)
@@ -217,12 +221,12 @@ def test_a_disk_that_fails_while_it_is_read_is_reported(tmp_path: Path) -> None:
         load_results(tmp_path / "results.nc")
 
 
-def test_folder_that_does_not_exist(response, tmp_path):
+def test_folder_that_does_not_exist(response: ForcedResponse, tmp_path: Path) -> None:
     with rejects(ResultsFileError):
         save_results(tmp_path / "none" / "results.nc", response)
 
 
-def test_study_of_another_run_is_rejected(response, tmp_path):
+def test_study_of_another_run_is_rejected(response: ForcedResponse, tmp_path: Path) -> None:
     with rejects(InputError):
         save_results(tmp_path / "results.nc", response, synthetic_study(11, 5))
 
@@ -240,7 +244,7 @@ def test_study_of_another_run_is_rejected(response, tmp_path):
         ({"mode_table": ({"reference_hz": 0.0},)}, "mode_table"),
     ],
 )
-def test_wrong_study_records_are_rejected(change, key):
+def test_wrong_study_records_are_rejected(change: dict[str, Any], key: str) -> None:
     with rejects(InputError, key):
         dataclasses.replace(synthetic_study(4, 3), **change)
 
@@ -267,7 +271,7 @@ ABSURD = {
 @pytest.mark.slow
 @pytest.mark.parametrize("value", ABSURD.values(), ids=ABSURD)
 @pytest.mark.parametrize("name", ["samples", "converged", "stickslip_format"])
-def test_absurd_attributes_get_a_sentence(saved, name, value):
+def test_absurd_attributes_get_a_sentence(saved: Path, name: str, value: Any) -> None:
     with h5py.File(saved, "r+") as file:
         del file.attrs[name]
         if value is not None:
@@ -295,7 +299,7 @@ BAD_TEXTS = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize("text", BAD_TEXTS, ids=range(len(BAD_TEXTS)))
-def test_texts_that_no_run_writes_get_a_sentence(saved, text):
+def test_texts_that_no_run_writes_get_a_sentence(saved: Path, text: str) -> None:
     for place in ("warnings", "settings", "provenance", "study/output_names", "study/signal_groups", "study/face_names",
                   "study/mode_table", "study/derived", "study/warnings", "study/rough_numbers"):  # fmt: skip
         with h5py.File(saved, "r+") as file:
@@ -310,7 +314,7 @@ def test_texts_that_no_run_writes_get_a_sentence(saved, text):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e300, -1e308])
-def test_values_that_no_run_writes_get_a_sentence(saved, value):
+def test_values_that_no_run_writes_get_a_sentence(saved: Path, value: Any) -> None:
     for place in ("frequency", "displacement_cosine", "pairs/preload", "linear/stuck_mean", "study/pair_area"):
         with h5py.File(saved, "r+") as file:
             retained = file[place][()]
@@ -321,7 +325,7 @@ def test_values_that_no_run_writes_get_a_sentence(saved, value):
             file[place][()] = retained
 
 
-def replaced(path, name, make):
+def replaced(path: Path, name: str, make: Callable[[h5py.File], object]) -> None:
     """Put another object in the place of a variable."""
     with h5py.File(path, "r+") as file:
         del file[name]
@@ -341,14 +345,16 @@ def replaced(path, name, make):
         lambda file: file.create_dataset("residual", data=np.zeros(3)),
     ],
 )
-def test_variables_from_elsewhere_and_of_other_kinds_are_rejected(saved, make):
+def test_variables_from_elsewhere_and_of_other_kinds_are_rejected(
+    saved: Path, make: Callable[[h5py.File], object]
+) -> None:
     replaced(saved, "residual", make)
     with rejects(ResultsFileError):
         load_results(saved)
 
 
-def test_a_contact_state_beyond_a_byte_is_not_mistaken_for_another(saved):
-    def make(file):
+def test_a_contact_state_beyond_a_byte_is_not_mistaken_for_another(saved: Path) -> None:
+    def make(file: h5py.File) -> None:
         file.create_dataset("contact_state", data=np.full((20, 24), 256, dtype=np.int32))
 
     replaced(saved, "contact_state", make)
@@ -356,7 +362,7 @@ def test_a_contact_state_beyond_a_byte_is_not_mistaken_for_another(saved):
         load_results(saved)
 
 
-def test_a_record_of_another_run_is_noticed_when_read(saved):
+def test_a_record_of_another_run_is_noticed_when_read(saved: Path) -> None:
     with h5py.File(saved, "r+") as file:
         rows = file["study/output_rows"][()]
         del file["study/output_rows"]
@@ -367,7 +373,7 @@ def test_a_record_of_another_run_is_noticed_when_read(saved):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.3, 0.9])
-def test_the_command_says_one_sentence_and_no_traceback(saved, share):
+def test_the_command_says_one_sentence_and_no_traceback(saved: Path, share: float) -> None:
     """Libraries that fail while they open a file told of it once more when their objects were thrown away."""
     whole = saved.read_bytes()
     saved.write_bytes(whole[: int(share * len(whole))])
@@ -381,7 +387,7 @@ def test_the_command_says_one_sentence_and_no_traceback(saved, share):
 
 
 @pytest.mark.slow
-def test_flipped_bits_anywhere_end_in_a_sentence_or_a_sound_file(saved):
+def test_flipped_bits_anywhere_end_in_a_sentence_or_a_sound_file(saved: Path) -> None:
     """Seeded damage: a file is read whole, or a sentence without words of Python says that it is not."""
     whole, rng = saved.read_bytes(), random.Random(18)
     rejected = 0

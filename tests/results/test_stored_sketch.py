@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 import h5netcdf
 import h5py
@@ -62,6 +63,8 @@ def test_a_motion_comes_back_equal_in_single_precision(study: StudyRecord, tmp_p
     again = load_results(path).study
     assert again == moving
     assert again != study
+    assert again.sketch is not None
+    assert again.sketch.motion is not None
     assert again.sketch.motion.points.dtype == np.float32
     assert again != dataclasses.replace(study, sketch=shaken(stacked_boxes(), amplitude=1e-4))
     with h5py.File(path, "r") as file:
@@ -95,7 +98,7 @@ def test_a_file_without_a_motion_is_read_as_one(study: StudyRecord, tmp_path: Pa
         ({"responses": np.zeros((2, 3, 5))}, ("motion",)),
     ],
 )
-def test_a_motion_that_does_not_fit_is_rejected(change: dict, keys: tuple[str, ...]) -> None:
+def test_a_motion_that_does_not_fit_is_rejected(change: dict[str, Any], keys: tuple[str, ...]) -> None:
     parts = {"points": np.zeros((16, 3, 5)), "loads": np.zeros((1, 3, 5)), "responses": np.zeros((1, 3, 5))}
     with rejects(InputError, *keys):
         stacked_boxes(motion=Motion(**parts | change, frequency_hz=400.0))
@@ -116,7 +119,7 @@ def test_a_motion_of_another_run_is_rejected(study: StudyRecord, tmp_path: Path)
         {"motion_of_points_mean": None},
     ],
 )
-def test_a_damaged_motion_is_reported(study: StudyRecord, tmp_path: Path, damaged: dict) -> None:
+def test_a_damaged_motion_is_reported(study: StudyRecord, tmp_path: Path, damaged: dict[str, Any]) -> None:
     path = stored(tmp_path, dataclasses.replace(study, sketch=shaken(stacked_boxes())))
     with h5py.File(path, "r+") as file:
         for name, values in damaged.items():
@@ -150,7 +153,7 @@ def test_no_group_where_there_is_no_sketch(study: StudyRecord, tmp_path: Path) -
         ({"mesh_sides": 11}, ("mesh_sides",)),
     ],
 )
-def test_what_does_not_fit_is_rejected(change: dict, keys: tuple[str, ...]) -> None:
+def test_what_does_not_fit_is_rejected(change: dict[str, Any], keys: tuple[str, ...]) -> None:
     with rejects(InputError, *keys):
         stacked_boxes(**change)
 

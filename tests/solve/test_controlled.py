@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scipy.optimize
@@ -71,7 +73,7 @@ def test_the_phase_resonance_of_a_linear_structure_is_its_natural_frequency() ->
 @pytest.mark.slow
 def test_a_prescribed_amplitude_reaches_the_middle_of_a_fold(blade: Blade) -> None:
     """The ten-contact blade folds between 683.7 and 686.1 Hz; a held amplitude has one force at every frequency."""
-    settings = {"harmonics": 3, "samples": 128}
+    settings: dict[str, Any] = {"harmonics": 3, "samples": 128}
     forced = ss.forced_response(
         blade.superelement, blade.pairs, blade.force_cos, blade.force_sin, frequency_hz=(660.0, 700.0), **settings
     )

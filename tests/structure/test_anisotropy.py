@@ -108,7 +108,7 @@ def test_patch_of_distorted_bricks(make_block: Callable[..., Mesh], element: str
     material = anisotropic_material(rotated_matrix(orthotropic_matrix(*LAMINATE), TURN.as_matrix()), 1600.0)
     structure = assemble(make_block((3, 3, 3), (1.0, 1.0, 1.0), 0.15), material, element)  # type: ignore[arg-type]
     outer = structure.mesh.sides("all")[0]
-    require_constant_strain(structure, structure.mesh.points, outer.ravel(), material)  # type: ignore[no-untyped-call]
+    require_constant_strain(structure, structure.mesh.points, outer.ravel(), material)
 
 
 @pytest.mark.parametrize(

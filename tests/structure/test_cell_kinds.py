@@ -1,6 +1,6 @@
 """Every kind of cell: sides, functions, patch test, mass, rigid motions, convergence."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ import pytest
 from sentences import rejects
 from solid_cells import PARTS, require_constant_strain
 from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry
@@ -18,11 +19,18 @@ SOFT = Material(young_modulus=3.0, poisson_ratio=0.3, density=2.0)
 KINDS = list(CELL_KINDS)
 
 
-def block_of(kind_name, make_block, counts, lengths=(1.0, 1.0, 1.0), distortion=0.0):
+def block_of(
+    kind_name: str,
+    make_block: Callable[..., Mesh],
+    counts: Sequence[int],
+    lengths: Sequence[float] = (1.0, 1.0, 1.0),
+    distortion: float = 0.0,
+) -> Mesh:
     """A block of cells of one kind, with node set "all" and its six faces as node sets x0, x1, y0, ..."""
     linear = next(name for name in PARTS if kind_name.startswith(name))
     bricks = make_block(counts, lengths, distortion)
-    cells = bricks.cells[:, PARTS[linear]].reshape(-1, len(PARTS[linear][0]))
+    (block,) = bricks.blocks
+    cells = block.cells[:, PARTS[linear]].reshape(-1, len(PARTS[linear][0]))
     points, kind = bricks.points, CELL_KINDS[kind_name]
     if kind.is_quadratic:
         ends = np.sort(cells[:, kind.edges], axis=2)
@@ -38,7 +46,7 @@ def block_of(kind_name, make_block, counts, lengths=(1.0, 1.0, 1.0), distortion=
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_functions_are_one_at_their_node_and_reproduce_linear_fields(name):
+def test_functions_are_one_at_their_node_and_reproduce_linear_fields(name: str) -> None:
     kind = CELL_KINDS[name]
     values, _ = shape_functions(kind.n_nodes, kind.nodes)
     np.testing.assert_allclose(values, np.eye(kind.n_nodes), atol=1e-13)
@@ -55,7 +63,7 @@ def test_functions_are_one_at_their_node_and_reproduce_linear_fields(name):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_sides_look_outwards_and_carry_their_midside_nodes(name):
+def test_sides_look_outwards_and_carry_their_midside_nodes(name: str) -> None:
     kind = CELL_KINDS[name]
     for side in kind.sides:
         corners = 3 if len(side) in (3, 6) else 4
@@ -68,7 +76,7 @@ def test_sides_look_outwards_and_carry_their_midside_nodes(name):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_patch_of_distorted_cells_reproduces_constant_stress(make_block, name):
+def test_patch_of_distorted_cells_reproduces_constant_stress(make_block: Callable[..., Mesh], name: str) -> None:
     mesh = block_of(name, make_block, (3, 3, 3), distortion=0.12)
     structure = assemble_bodies(mesh, [SOFT])
     require_constant_strain(
@@ -77,7 +85,7 @@ def test_patch_of_distorted_cells_reproduces_constant_stress(make_block, name):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_one_cell_has_six_rigid_modes_and_its_whole_mass(name):
+def test_one_cell_has_six_rigid_modes_and_its_whole_mass(name: str) -> None:
     kind = CELL_KINDS[name]
     lengths = [1.0, 0.7, 0.4]
     mesh = Mesh(kind.nodes * lengths, np.arange(kind.n_nodes)[None])
@@ -92,7 +100,7 @@ def test_one_cell_has_six_rigid_modes_and_its_whole_mass(name):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_mass_of_a_turning_block_is_its_inertia(make_block, name):
+def test_mass_of_a_turning_block_is_its_inertia(make_block: Callable[..., Mesh], name: str) -> None:
     mesh = block_of(name, make_block, (2, 2, 1), (1.0, 2.0, 0.5))
     structure = assemble_bodies(mesh, [SOFT])
     turning = np.cross([0.0, 0.0, 1.0], mesh.points).ravel()
@@ -111,8 +119,10 @@ def test_mass_of_a_turning_block_is_its_inertia(make_block, name):
         ("hexahedron20", (1, 2, 3), (2.8, 4.6)),
     ],
 )
-def test_frequencies_converge_with_the_order_of_the_cell(make_block, name, sizes, slope):
-    def elastic(kind, n):
+def test_frequencies_converge_with_the_order_of_the_cell(
+    make_block: Callable[..., Mesh], name: str, sizes: tuple[int, ...], slope: tuple[float, float]
+) -> None:
+    def elastic(kind: str, n: int) -> FloatArray:
         structure = assemble_bodies(block_of(kind, make_block, (n, n, n), (1.0, 0.8, 0.6)), [SOFT], "trilinear")
         return natural_frequencies(structure.stiffness, structure.mass, 8)[0][6:]
 
@@ -123,7 +133,7 @@ def test_frequencies_converge_with_the_order_of_the_cell(make_block, name, sizes
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_face_areas_are_shared_among_the_nodes_and_look_outwards(make_block, name):
+def test_face_areas_are_shared_among_the_nodes_and_look_outwards(make_block: Callable[..., Mesh], name: str) -> None:
     mesh = block_of(name, make_block, (2, 3, 2), (1.0, 2.0, 0.5))
     for axis, letter in enumerate("xyz"):
         for end, sign in ((0, -1.0), (1, 1.0)):

@@ -1,4 +1,5 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -6,8 +7,10 @@ import scipy.sparse.linalg
 
 from sentences import rejects
 from solid_cells import require_constant_strain
+from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
-from stickslip.structure.elasticity import Material, assemble, natural_frequencies
+from stickslip.core.validation import FloatArray
+from stickslip.structure.elasticity import Element, Material, Structure, assemble, natural_frequencies
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.mesh import Mesh
 
@@ -18,7 +21,9 @@ BEAM = Material(young_modulus=3.0, poisson_ratio=0.0, density=2.0)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
-def test_patch_of_distorted_bricks_reproduces_constant_strain(make_block, element):
+def test_patch_of_distorted_bricks_reproduces_constant_strain(
+    make_block: Callable[..., Mesh], element: Element
+) -> None:
     structure = assemble(make_block((3, 3, 3), (1.0, 1.0, 1.0), 0.15), SOFT, element)
     outer = structure.mesh.sides("all")[0]
     require_constant_strain(structure, structure.mesh.points, outer.ravel(), SOFT)
@@ -26,7 +31,9 @@ def test_patch_of_distorted_bricks_reproduces_constant_strain(make_block, elemen
 
 @pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize("counts", [(1, 1, 1), (3, 2, 2)])
-def test_a_free_body_has_six_rigid_modes(make_block, element, counts):
+def test_a_free_body_has_six_rigid_modes(
+    make_block: Callable[..., Mesh], element: Element, counts: Sequence[int]
+) -> None:
     structure = assemble(make_block(counts, (1.0, 1.2, 0.8), 0.15), SOFT, element)
     points = structure.mesh.points
     translations = np.stack([np.tile(axis, (len(points), 1)) for axis in np.eye(3)])
@@ -42,20 +49,20 @@ def test_a_free_body_has_six_rigid_modes(make_block, element, counts):
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
-def test_mass_moves_rigidly(make_block, element):
+def test_mass_moves_rigidly(make_block: Callable[..., Mesh], element: Element) -> None:
     structure = assemble(make_block((2, 3, 2), (1.0, 2.0, 3.0)), SOFT, element)
     motion = np.tile([1.0, 2.0, 3.0], structure.mesh.n_nodes)
     assert motion @ structure.mass @ motion == pytest.approx(SOFT.density * 6.0 * 14.0)
 
 
-def cantilever(make_block, element):
+def cantilever(make_block: Callable[..., Mesh], element: Element) -> Structure:
     """Slender beam 200 x 10 x 10 along x, one brick through its thickness and 10 along it."""
     mesh = make_block((10, 1, 1), (200.0, 10.0, 10.0))
     return assemble(mesh, BEAM, element, fixed_nodes=np.flatnonzero(mesh.points[:, 0] == 0.0))
 
 
 @pytest.mark.parametrize(("element", "locks"), [("incompatible", False), ("trilinear", True)])
-def test_bending_of_a_slender_cantilever(make_block, element, locks):
+def test_bending_of_a_slender_cantilever(make_block: Callable[..., Mesh], element: Element, locks: bool) -> None:
     structure = cantilever(make_block, element)
     length, inertia, area = 200.0, 10.0**4 / 12.0, 100.0
     tip = np.flatnonzero(structure.mesh.points[:, 0] == length)
@@ -81,8 +88,10 @@ def test_cantilever_frequency_is_that_of_a_beam(make_block: Callable[..., Mesh])
 
 @pytest.mark.slow
 @pytest.mark.parametrize("element", ["incompatible", "trilinear"])
-def test_frequencies_converge_with_the_square_of_the_element_size(make_block, element):
-    def first_elastic(name, n):
+def test_frequencies_converge_with_the_square_of_the_element_size(
+    make_block: Callable[..., Mesh], element: Element
+) -> None:
+    def first_elastic(name: Element, n: int) -> FloatArray:
         structure = assemble(make_block((n, n, n), (1.0, 0.8, 0.6)), SOFT, name)
         return natural_frequencies(structure.stiffness, structure.mass, 9)[0][6:]
 
@@ -103,7 +112,13 @@ def test_frequencies_converge_with_the_square_of_the_element_size(make_block, el
         ("serendipity", "serendipity20_tied_hz"),
     ],
 )
-def test_ten_tied_frequencies_of_the_blade_pair(blade_mesh, pairs_of, reference_frequencies, element, column):
+def test_ten_tied_frequencies_of_the_blade_pair(
+    blade_mesh: Mesh,
+    pairs_of: Callable[[Mesh], FacePairs],
+    reference_frequencies: dict[str, FloatArray],
+    element: Element,
+    column: str,
+) -> None:
     structure = assemble(blade_mesh, Material(), element)
     frequency_hz, _ = joined_modes(structure, pairs_of(structure.mesh), 10)
     np.testing.assert_allclose(frequency_hz, reference_frequencies[column], rtol=1e-4)
@@ -124,7 +139,9 @@ def test_dense_and_sparse_frequencies_agree(make_block: Callable[..., Mesh]) -> 
 
 
 @pytest.mark.slow
-def test_fixed_nodes_come_from_the_set_or_from_the_caller(blade_mesh, blade_structure, make_block):
+def test_fixed_nodes_come_from_the_set_or_from_the_caller(
+    blade_mesh: Mesh, blade_structure: Structure, make_block: Callable[..., Mesh]
+) -> None:
     np.testing.assert_array_equal(blade_structure.fixed_nodes, np.sort(blade_mesh.node_set("fixed")))
     assert blade_structure.stiffness.shape == (14751, 14751)
     block = make_block((1, 1, 1), (1.0, 1.0, 1.0))
@@ -147,15 +164,16 @@ def test_fixed_nodes_come_from_the_set_or_from_the_caller(blade_mesh, blade_stru
         ({"poisson_ratio": np.inf}, "poisson_ratio"),
     ],
 )
-def test_a_bad_material_is_named(change, key):
+def test_a_bad_material_is_named(change: dict[str, Any], key: str) -> None:
     with rejects(InputError, key):
         Material(**change)
 
 
 def test_an_element_that_does_not_suit_is_rejected(make_block: Callable[..., Mesh]) -> None:
     block = make_block((1, 1, 1), (1.0, 1.0, 1.0))
+    wrong: Any = "hexahedron"
     with rejects(InputError, "element"):
-        assemble(block, SOFT, "hexahedron")
+        assemble(block, SOFT, wrong)
     with rejects(InputError, "element"):
         assemble(block.quadratic(), SOFT, "trilinear")
 

@@ -1,9 +1,16 @@
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 
 from sentences import rejects
+from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
+from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes, tie_matrix
+from stickslip.structure.mesh import Mesh
+from stickslip.structure.superelement import Superelement
 
 
 def test_tied_unknowns_move_together() -> None:
@@ -19,13 +26,15 @@ def test_a_tied_unknown_may_follow_several_or_none() -> None:
 
 
 @pytest.mark.parametrize(("leaders", "followers"), [([0, 1], [2, 2]), ([0, 2], [2, 3])])
-def test_unknowns_that_cannot_be_tied_one_to_one_are_rejected(leaders, followers):
+def test_unknowns_that_cannot_be_tied_one_to_one_are_rejected(leaders: list[int], followers: list[int]) -> None:
     with rejects(InputError):
         tie_matrix(np.array(followers), np.array(leaders)[:, None], np.ones((2, 1)), 5)
 
 
 @pytest.mark.slow
-def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_superelement, pairs_of):
+def test_very_stiff_springs_come_to_the_tied_frequencies(
+    blade_mesh: Mesh, blade_superelement: Superelement, pairs_of: Callable[[Mesh], FacePairs]
+) -> None:
     pairs = pairs_of(blade_mesh)
     tied, modes = joined_modes(blade_superelement, pairs, 10)
     stuck, _ = joined_modes(blade_superelement, pairs, 10, pairs.springs(1e16, 1e16))
@@ -35,7 +44,9 @@ def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_super
     assert np.abs(pairs.mesh_operator(blade_mesh.n_nodes) @ modes).max() < 1e-12 * np.abs(modes).max()
 
 
-def test_springs_of_the_wrong_number_are_rejected(blade_mesh, blade_structure, pairs_of):
+def test_springs_of_the_wrong_number_are_rejected(
+    blade_mesh: Mesh, blade_structure: Structure, pairs_of: Callable[[Mesh], FacePairs]
+) -> None:
     with rejects(InputError, "springs"):
         joined_modes(blade_structure, pairs_of(blade_mesh), 2, np.ones(110))
 
@@ -52,11 +63,12 @@ def test_a_body_that_moves_freely_has_no_frequency_and_a_soft_one_has() -> None:
             rows[:, -3:] = np.eye(3)
             return rows
 
+    unpaired: Any = Unpaired()
     mass = np.eye(6)
     softly_supported = Superelement(mass, np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0]))
-    frequency_hz, _ = joined_modes(softly_supported, Unpaired(), 5, np.zeros(3))
+    frequency_hz, _ = joined_modes(softly_supported, unpaired, 5, np.zeros(3))
     assert (frequency_hz > 0.1).all()
     loose = Superelement(mass, np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]))
-    frequency_hz, _ = joined_modes(loose, Unpaired(), 5, np.zeros(3))
+    frequency_hz, _ = joined_modes(loose, unpaired, 5, np.zeros(3))
     assert (frequency_hz[:3] == 0.0).all()
     assert (frequency_hz[3:] > 0.1).all()

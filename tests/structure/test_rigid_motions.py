@@ -1,3 +1,5 @@
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -10,11 +12,10 @@ CUBE = (CORNERS + 1) / 2
 NOTHING = np.empty(0, dtype=np.int64)
 
 
-def cubes(*shifts):
+def cubes(*shifts: Sequence[float]) -> Mesh:
     """Unit cubes at places, with one node where several have a corner."""
-    points, position = np.unique(
-        np.round(np.vstack([CUBE + shift for shift in shifts]), 9), axis=0, return_inverse=True
-    )
+    corners = np.vstack([CUBE + np.array(shift, dtype=float) for shift in shifts])
+    points, position = np.unique(np.round(corners, 9), axis=0, return_inverse=True)
     return Mesh(points, position.reshape(-1, 8))
 
 
@@ -29,7 +30,9 @@ def cubes(*shifts):
     ],
 )
 @pytest.mark.parametrize("held", [NOTHING, np.array([0, 1, 2])], ids=["free", "held"])
-def test_motions_are_the_zero_eigenvalues_of_the_stiffness(shifts, parts, regions, strainless, held):
+def test_motions_are_the_zero_eigenvalues_of_the_stiffness(
+    shifts: list[tuple[float, float, float]], parts: int, regions: list[int], strainless: list[int], held: np.ndarray
+) -> None:
     mesh = cubes(*shifts)
     actual = part_motions(mesh, held)
     assert len(actual) == parts
@@ -48,7 +51,7 @@ def test_a_clamped_part_has_no_motion() -> None:
     assert (part.rigid, part.strainless, part.is_hinged) == (0, 0, False)
 
 
-def slab_with_tetrahedra(columns):
+def slab_with_tetrahedra(columns: int) -> Mesh:
     """A slab of bricks, each with a tetrahedron on three of its upper nodes: each of these is a region of its own."""
     bricks = cubes(*((i, j, 0) for i in range(columns) for j in range(columns)))
     cells = bricks.blocks[0].cells

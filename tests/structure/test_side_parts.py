@@ -3,21 +3,22 @@ from math import factorial
 import numpy as np
 import pytest
 
+from stickslip.core.validation import FloatArray
 from stickslip.structure.shapes import side_shape_functions, square_rule, triangle_rule
 from stickslip.structure.side_parts import SIDE_BORDER, SIDE_FACETS, SIDE_NODES
 
 
 @pytest.mark.parametrize("n_nodes", [3, 4, 6, 8])
-def test_nodes_are_where_the_shape_functions_are_one(n_nodes):
+def test_nodes_are_where_the_shape_functions_are_one(n_nodes: int) -> None:
     values, _ = side_shape_functions(n_nodes, SIDE_NODES[n_nodes])
     np.testing.assert_allclose(values, np.eye(n_nodes), atol=1e-14)
 
 
 @pytest.mark.parametrize("n_nodes", [3, 4, 6, 8])
-def test_facets_and_border_tile_the_side(n_nodes):
-    def area(polygon):
+def test_facets_and_border_tile_the_side(n_nodes: int) -> None:
+    def area(polygon: FloatArray) -> float:
         x, y = polygon.T
-        return 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
+        return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
     whole = area(SIDE_NODES[n_nodes][SIDE_BORDER[n_nodes]])
     assert whole == pytest.approx(0.5 if n_nodes in (3, 6) else 4.0)
@@ -27,7 +28,7 @@ def test_facets_and_border_tile_the_side(n_nodes):
 
 
 @pytest.mark.parametrize(("degree", "size"), [(2, 3), (4, 6)])
-def test_triangle_rules_are_exact_to_their_degree(degree, size):
+def test_triangle_rules_are_exact_to_their_degree(degree: int, size: int) -> None:
     points, weights = triangle_rule(degree)
     assert len(weights) == size
     assert weights.min() > 0.0

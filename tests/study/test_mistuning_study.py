@@ -138,6 +138,33 @@ def test_the_disk_with_friction_and_its_column_in_a_sweep(tmp_path: Path) -> Non
     assert again.reused == 2
 
 
+@pytest.mark.slow
+def test_unequal_dampers_change_the_curve_with_friction_alone() -> None:
+    """All loads doubled are those of a study with twice the load; one damper with less moves the whole disk."""
+    sectors = 6
+    content = data(pattern=sectors * ["0.1 %"], friction_curve=True)
+    content["structure"]["sectors"], content["travelling_wave"]["engine_order"] = sectors, 2
+    content["solver"] |= {"frequency_start": "540 Hz", "frequency_stop": "603 Hz"}
+    del content["roughness"]
+
+    def solved(*loads: str, normal_load: str = "40 N") -> Mistuning:
+        content["mistuning"]["damper_loads"] = list(loads) or None
+        for interface in content["interfaces"].values():
+            interface |= {
+                "normal_load": normal_load, "normal_stiffness": "5e7 N/m", "tangential_stiffness": "4e7 N/m"
+            }  # fmt: skip
+        return result_of(solve_case(Case.from_mapping(content)))
+
+    doubled, twice = solved(*sectors * ["200 %"]), solved(normal_load="80 N")
+    assert doubled.ring_amplitude is not None
+    assert twice.ring_amplitude is not None
+    np.testing.assert_allclose(doubled.ring_amplitude, twice.ring_amplitude, rtol=1e-12)
+    unequal = solved("20 %", *(sectors - 1) * ["100 %"]).ring_amplitude
+    assert unequal is not None
+    highest = unequal.max(axis=0)
+    assert highest.max() > 1.001 * highest.min()
+
+
 def test_a_highest_amplitude_at_an_end_is_seen() -> None:
     inside = np.array([[1.0, 2.0], [1.0, 3.0], [2.0, 1.0]])
     assert not is_highest_at_end(inside)
@@ -163,6 +190,7 @@ def test_patterns_are_inputs_of_a_case_but_not_of_its_structure() -> None:
     [
         ({"pattern": ["1 %"]}, "mistuning.pattern"),
         ({"standard_deviation": "1 %", "blade": "wing"}, "mistuning.blade"),
+        ({"standard_deviation": "1 %", "friction_curve": True, "damper_loads": ["90 %"]}, "mistuning.damper_loads"),
     ],
 )
 def test_patterns_and_blades_that_do_not_fit(mistuning: dict[str, Any], key: str) -> None:
@@ -193,8 +221,10 @@ def test_a_blade_with_its_root() -> None:
         ({"pattern": SECTORS * ["1 %"], "file": "blades.csv"}, "file"),
         ({"pattern": ["-100 %", *(SECTORS - 1) * ["0 %"]]}, "pattern"),
         ({"standard_deviation": "20 %"}, "standard_deviation"),
+        ({"standard_deviation": "1 %", "damper_loads": SECTORS * ["90 %"]}, "damper_loads"),
+        ({"standard_deviation": "1 %", "friction_curve": True, "damper_loads": ["0 %"]}, "damper_loads"),
     ],
-    ids=["nothing", "two sources", "two patterns", "no stiffness", "too large"],
+    ids=["nothing", "two sources", "two patterns", "no stiffness", "too large", "no curve", "no load"],
 )
 def test_sections_that_are_rejected(mistuning: dict[str, Any], key: str) -> None:
     with rejects(StudyFileError, f"mistuning.{key}"):
@@ -210,6 +240,17 @@ def test_a_disk_that_cannot_have_mistuning() -> None:
     content["forces"]["gas"]["harmonic"] = 2
     content["solver"]["harmonics"] = 2
     with rejects(StudyFileError, "forces.gas.harmonic"):
+        Case.from_mapping(content)
+
+
+def test_dampers_of_another_law_beside_their_loads() -> None:
+    content = data(**RANDOM, friction_curve=True, damper_loads=SECTORS * ["90 %"])
+    name = next(iter(content["interfaces"]))
+    content["interfaces"][name] = {
+        **{key: content["interfaces"][name][key] for key in ("first", "second")},
+        "law": "cubic", "constants": {"stiffness": "5e7 N/m", "cubic_stiffness": "1e14 N/m^3"},
+    }  # fmt: skip
+    with rejects(StudyFileError, f"interfaces.{name}.law"):
         Case.from_mapping(content)
 
 

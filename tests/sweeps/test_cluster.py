@@ -40,7 +40,10 @@ def test_a_worker_that_is_killed_loses_no_case(tmp_path: Path) -> None:
         started(*worker_arguments(tmp_path)),
         started_sweep(study, out, LOADS, address) as sweep,
     ):
-        finished = lambda: len(list(out.glob("cases/*/results.nc")))  # noqa: E731
+
+        def finished() -> int:
+            return len(list(out.glob("cases/*/results.nc")))
+
         wait_until(lambda: finished() >= 2 or sweep.poll() is not None, "no case is finished")
         assert finished() < 6, "the worker was to be killed half-way"
         doomed.kill()

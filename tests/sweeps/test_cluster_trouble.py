@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -72,8 +73,11 @@ def folder(head: tuple[object, str, Path]) -> Iterator[Path]:
         wait_until(lambda: not client.nthreads(), "a worker outlives its test")
 
 
+OwnCluster = tuple[Any, Any, ClusterExecutor]
+
+
 @pytest.fixture
-def own_cluster(head: tuple[object, str, Path], folder: Path) -> Iterator[tuple[object, object, ClusterExecutor]]:
+def own_cluster(head: tuple[object, str, Path], folder: Path) -> Iterator[OwnCluster]:
     """The processes of the scheduler and of its worker, and the executor of both."""
     process, address, _ = head
     with started(*worker_arguments(folder)) as worker, cluster_executor(address) as executor:
@@ -90,8 +94,10 @@ def require_workers(address: str, count: int) -> None:
 
 def group() -> StructureGroup:
     """One case without mechanics."""
-    task = SimpleNamespace(deed="good", marker="", threads=1)
-    return StructureGroup(None, [(SimpleNamespace(name="only", case=None), task)])
+    no_setup: Any = None
+    task: Any = SimpleNamespace(deed="good", marker="", threads=1)
+    planned: Any = SimpleNamespace(name="only", case=None)
+    return StructureGroup(no_setup, [(planned, task)])
 
 
 @pytest.mark.long
@@ -112,7 +118,7 @@ def test_one_worker_with_other_code_among_others_is_named_before_anything_is_sol
 
 @pytest.mark.slow
 def test_a_worker_with_other_code_that_comes_later_solves_nothing(
-    folder: Path, other_code: dict[str, str], own_cluster: tuple
+    folder: Path, other_code: dict[str, str], own_cluster: OwnCluster
 ) -> None:
     _, worker, executor = own_cluster
     assert executor.submit(open_parcel, parcel(pow, 2, 5)).result() == 32
@@ -160,7 +166,10 @@ def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_pat
         started(*worker_arguments(tmp_path)),
         started_sweep(study, out, LOADS, address) as sweep,
     ):
-        finished = lambda: len(list(out.glob("cases/*/results.nc")))  # noqa: E731
+
+        def finished() -> int:
+            return len(list(out.glob("cases/*/results.nc")))
+
         wait_until(lambda: finished() >= 1 or sweep.poll() is not None, "no case is finished")
         head.kill()
         _, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
@@ -171,7 +180,7 @@ def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_pat
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_hangs_is_reported(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_that_hangs_is_reported(own_cluster: OwnCluster, monkeypatch: pytest.MonkeyPatch) -> None:
     head, _, executor = own_cluster
     monkeypatch.setattr(cluster, "ANSWER_SECONDS", 1)
     head.send_signal(signal.SIGSTOP)
@@ -183,7 +192,9 @@ def test_a_scheduler_that_hangs_is_reported(own_cluster: tuple, monkeypatch: pyt
 
 
 @pytest.mark.slow
-def test_without_workers_the_wait_is_reported_and_ends(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_workers_the_wait_is_reported_and_ends(
+    own_cluster: OwnCluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
     _, worker, executor = own_cluster
     monkeypatch.setattr(schedule, "reduce_task", sweep_deaths.reduce)
     monkeypatch.setattr(schedule, "CHECK_SECONDS", 0.5)
@@ -200,9 +211,10 @@ def test_without_workers_the_wait_is_reported_and_ends(own_cluster: tuple, monke
 
 
 @pytest.mark.slow
-def test_a_task_whose_workers_die_is_given_up(own_cluster: tuple) -> None:
+def test_a_task_whose_workers_die_is_given_up(own_cluster: OwnCluster) -> None:
     _, _, executor = own_cluster
     error = executor.submit(os._exit, 1).exception(PATIENCE_SECONDS)
+    assert error is not None
     assert isinstance(executor.meaning(error), BrokenExecutor)
     assert "workers died while running it" in str(executor.meaning(error))  # words of Dask
 

@@ -53,13 +53,16 @@ def test_what_was_stored_is_found(folder: SweepFolder, cases: tuple[PlannedCase,
     folder.store(cases[1], REJECTED)
     actual, notice = folder.finished(cases[0])
     assert notice == ""
+    assert actual is not None
     assert (actual.converged, actual.message, actual.warnings) == (True, SOLVED.message, SOLVED.warnings)
     assert actual.measures["peak_amplitude_m"] == SOLVED.measures["peak_amplitude_m"]
     assert np.isnan(actual.measures["equivalent_damping_ratio"])
+    assert actual.curve is not None
     assert np.array_equal(actual.curve.frequency_hz, CURVE.frequency_hz)
     assert np.array_equal(actual.curve.amplitude_m, CURVE.amplitude_m)
     assert np.array_equal(actual.curve.part, CURVE.part)
     rejected, notice = folder.finished(cases[1])
+    assert rejected is not None
     assert (rejected.converged, rejected.message, rejected.curve, notice) == (False, REJECTED.message, None, "")
 
 

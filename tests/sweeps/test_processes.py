@@ -15,6 +15,7 @@ from dataclasses import replace
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -36,11 +37,12 @@ LOADS = "450:700:6"
 
 def group(deeds: list[str], marker: Path) -> StructureGroup:
     """A group whose cases do the deeds."""
-    cases = [
+    cases: Any = [
         (SimpleNamespace(name=str(number), case=None), SimpleNamespace(deed=deed, marker=str(marker), threads=1))
         for number, deed in enumerate(deeds)
     ]
-    return StructureGroup(None, cases)
+    no_setup: Any = None
+    return StructureGroup(no_setup, cases)
 
 
 @pytest.fixture
@@ -53,7 +55,7 @@ def light_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 @pytest.mark.usefixtures("light_tasks", "untraced_commands")
 def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
-    finished: dict[str, str] = {}
+    finished: dict[str, object] = {}
     broken: dict[str, BaseException] = {}
     pool = LocalProcesses(2)
     try:
@@ -155,7 +157,7 @@ def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:
 def wait_for_files(out: Path, count: int, process: subprocess.Popen[str]) -> None:
     deadline = time.monotonic() + 120.0
     while len(list(out.glob("cases/*/results.nc"))) < count:
-        assert process.poll() is None, process.stderr.read()
+        assert process.poll() is None, process.communicate()[1]
         assert time.monotonic() < deadline
         time.sleep(0.02)
 

@@ -27,15 +27,14 @@ from stickslip.case.consistency import (
     excitation_errors,
     frd_errors,
     joint_errors,
-    mistuning_errors,
     place_errors,
     preload_errors,
     rotation_errors,
-    sector_errors,
     unchosen_range_errors,
     unchosen_stiffness_errors,
     wear_errors,
 )
+from stickslip.case.cyclic_consistency import mistuning_errors, sector_errors
 from stickslip.case.cyclic_sections import CyclicStructure, MistuningSection, TravellingWaveSection
 from stickslip.case.damper_rules import damper_errors, with_two_blade_defaults
 from stickslip.case.dotted_keys import parts_of_key, with_values
@@ -348,7 +347,8 @@ class CyclicCase(SolidCase):
         yield from frd_errors(self.output, "a sector of a disk")
         yield from sector_errors(self.analysis, self.preload, self.damping, self.static_loads, self.unbalance)
         if self.mistuning is not None:
-            yield from mistuning_errors(self.damping, self.forces, self.rotation is not None and self.rotation.coriolis)
+            has_coriolis = self.rotation is not None and self.rotation.coriolis
+            yield from mistuning_errors(self.mistuning, self.damping, self.forces, self.interfaces, has_coriolis)
         yield from self._own_misfits((), {"forces": self.forces}, has_areas=True)
 
 

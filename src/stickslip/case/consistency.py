@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis, WearAnalysis
+from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
-from stickslip.case.own_sections import ForceSection, OwnPreloadSection, PlaceSection, RotationSection
-from stickslip.case.sections import DampingSection, OutputSection, PreloadSection, SolverSection
+from stickslip.case.own_sections import OwnPreloadSection, PlaceSection, RotationSection
+from stickslip.case.sections import OutputSection, PreloadSection, SolverSection
 from stickslip.case.two_blade_sections import ROTATING, DamperFrictionSection, WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES, Declaration
 from stickslip.core.errors import InputError
@@ -252,63 +252,6 @@ def _stiffness_errors(where: tuple[str, str], interface: InterfaceSection) -> It
         yield EntryError((*where, lacking[0]), "is missing: give both stiffnesses of a face, or none.")
     if given and interface.stiffness_law is not None:
         yield EntryError((*where, given[0]), "and stiffness_law are both given. Remove one.")
-
-
-def sector_errors(
-    analysis: AnalysisSection,
-    preload: PreloadSection,
-    damping: DampingSection,
-    static_loads: Mapping[str, Any],
-    unbalance: Mapping[str, Any],
-) -> Iterator[EntryError]:
-    """What is not computed for a sector of a disk, and damping that is missing."""
-    full = "is not computed for a sector of a disk"
-    if not isinstance(analysis, ForcedAnalysis):
-        yield EntryError(
-            ("analysis", "kind"),
-            f'is "{analysis.kind}", which {full}. Use "forced", or a mesh of the full ring with structure.kind = '
-            '"mesh".',
-        )
-    for key in ("traction_band", "search", "gradients"):
-        if getattr(analysis, key):
-            yield EntryError(("analysis", key), f"is true, but this {full}. Set it to false.")
-    if preload.method == "solved":
-        yield EntryError(
-            ("preload", "method"),
-            f'is "solved", which {full}. Use "prescribed" with normal_load of each interface.',
-        )
-    for section, entries in (("static_loads", static_loads), ("unbalance", unbalance)):
-        if entries:
-            yield EntryError((section,), f"{full}: its loads would have to be alike in all sectors. Remove it.")
-    if not any((damping.modal_damping_ratio, damping.rayleigh_alpha, damping.rayleigh_beta)):
-        yield EntryError(
-            ("damping", "modal_damping_ratio"),
-            "is 0, but a sector of a disk requires viscous damping. Give it, 0.001 is usual for metal.",
-        )
-
-
-def mistuning_errors(
-    damping: DampingSection, forces: Mapping[str, ForceSection], has_coriolis: bool
-) -> Iterator[EntryError]:
-    """Damping, forces and Coriolis forces that a mistuned disk cannot have."""
-    if has_coriolis:
-        yield EntryError(
-            ("rotation", "coriolis"),
-            "is true, but amplification factors of [mistuning] do not contain Coriolis forces. Set it to false.",
-        )
-    if damping.modal_damping_ratio is None:
-        yield EntryError(
-            ("damping", "modal_damping_ratio"),
-            "is missing, but a disk with [mistuning] must have it: Rayleigh damping is not possible there. Give it, "
-            "0.001 is usual for metal.",
-        )
-    for name, force in forces.items():
-        if force.harmonic != 1:
-            yield EntryError(
-                ("forces", name, "harmonic"),
-                f"is {force.harmonic}, but [mistuning] compares the peaks of one engine order. Set it to 1, or remove "
-                "[mistuning].",
-            )
 
 
 def rotation_errors(rotation: RotationSection | None, analysis: AnalysisSection) -> Iterator[EntryError]:

@@ -25,6 +25,8 @@ MOST_SECTORS = 1000  # chosen: a turbine disk has 20 to 150
 MOST_PATTERNS = 100_000  # chosen: some hours of linear disks
 # Natural frequencies of the blades of one disk differ by percents; 30 % is a typing error or another unit.
 DEVIATION = Quantity("pure number", shown="%", at_least=-0.3, at_most=0.3, example='"1.5 %"')
+# Masses of dampers differ by percents and worn faces by more; ten times is a typing error.
+DAMPER_LOAD = Quantity("pure number", shown="%", above=0.0, at_most=10.0, example='"90 %"')
 Sectors = Annotated[int, Count(at_least=2, at_most=MOST_SECTORS)]
 
 
@@ -150,6 +152,12 @@ class MistuningSection(Section):
     friction_curve: bool = Field(
         default=False,
         description="also solve the whole disk with friction, for the pattern with the largest linear factor",
+    )
+
+    damper_loads: tuple[Annotated[float, DAMPER_LOAD], ...] | None = Field(
+        default=None,
+        description="normal load of the contacts of each sector over that of the study, for the curve with friction",
+        examples=[["100 %", "80 %"]],
     )
 
     @field_validator("file")

@@ -190,7 +190,7 @@ class _Bodies:
     ) -> ReducedStructure:
         """An earlier reduction is read from the disk."""
         structure, nodes = self.full_model, layout.boundary_nodes
-        backend = best_backend(structure.stiffness.shape[0])
+        backend = best_backend(structure.stiffness.shape[0], 3 * nodes.size)
         superelement = cached_superelement(
             structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
         )

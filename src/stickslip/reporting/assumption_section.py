@@ -19,9 +19,11 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.section import Section
 from stickslip.reporting.stiffness_words import stiffness_range
-from stickslip.reporting.style import MICRO, number
+from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.view import View
+from stickslip.results.record import CONSTANT_STIFFNESS_PEAK
 
+PEAK_NAMES = (CONSTANT_STIFFNESS_PEAK, f"{CONSTANT_STIFFNESS_PEAK}: frequency")  # amplitude in µm, Hz
 # The change of an input whose first-order effect on the peak is shown.
 CHANGE = 0.1
 
@@ -126,10 +128,13 @@ def _stiffness_in_cycle(facts: _Facts) -> Assumption:
     count = sum(law.n_pairs for law in pairs.laws if isinstance(law, ExponentialContact))
     if count:
         where = "" if count == pairs.n_pairs else f" in {count} of {pairs.n_pairs} pairs and is constant in the others"
+        effect = _effect_of_momentary_stiffness(facts)
         return Assumption(
             "Contact stiffness during the cycle",
             f"normal stiffness follows the momentary pressure{where}, tangential stiffness is that at rest",
-            "compare with the law coulomb; 0.5 % on the default two blades, 9 % up or down where pairs separate",
+            effect
+            or "compare with the law coulomb; 0.5 % on the default two blades, 9 % up or down where pairs separate",
+            computed=bool(effect),
         )
     variation = facts.normal_variation
     if not variation.size:
@@ -141,6 +146,20 @@ def _stiffness_in_cycle(facts: _Facts) -> Assumption:
         f"at the peak the normal force varies by ±{median} % of the load (median, largest ±{largest} %), so the "
         'stiffness of a rough face would too; the law "exponential" computes the effect: 0.5 % of the peak at ±16 % '
         "(the default two blades), 9 % up or down where pairs separate (two other studies)",
+    )
+
+
+def _effect_of_momentary_stiffness(facts: _Facts) -> str:
+    """The peak with constant springs, which the run computed beside its own; "" without it."""
+    values = {name: value for name, value, _, _ in facts.view.study.derived}
+    amplitude, frequency = (values.get(name) for name in PEAK_NAMES)
+    if not isinstance(amplitude, float) or not isinstance(frequency, float):
+        return ""
+    own = facts.view.summary.peak
+    change = number(100.0 * (MICRO * own.amplitude / amplitude - 1.0), 2)
+    return (
+        f"{change} % of the peak and {shown_number(own.frequency_hz - frequency, 'Hz')} against constant springs "
+        f"({number(amplitude)} µm at {shown_number(frequency, 'Hz')})"
     )
 
 

@@ -41,6 +41,10 @@ MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_perc
 EARLIER_REFERENCE = ("table2_hz", "the frequencies to which the default geometry was fitted")
 
 
+# Name of the derived quantity of a study whose contact stiffness follows the momentary pressure.
+CONSTANT_STIFFNESS_PEAK = "Peak with a constant contact stiffness"
+
+
 @dataclass(frozen=True, eq=False)
 class StudyRecord(Labelled):
     """Data for the report beside the response.

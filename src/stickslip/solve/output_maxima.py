@@ -13,7 +13,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol
 
@@ -25,6 +25,7 @@ from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.harmonic.curves import BalancePointT
+from stickslip.solve.harmonic.energy import CHUNK
 from stickslip.solve.harmonic.missed_peaks import HIGHER, VISIBLE
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
 from stickslip.solve.path.corrector import SMALLEST_MOTION, Corrector
@@ -198,6 +199,7 @@ class OutputMaxima(Generic[BalancePointT]):
         self._newton, self._balances, self._outputs = newton, balances, outputs
         self._work, self._begin, self._revise = work, begin, revise
         self._balance_of = functools.cache(balances.with_harmonics)
+        self._vibration_of = balances.vibration_of(outputs)
         self._corrector = Corrector(newton, width, Effort(ContinuationSettings()))
         self._highest = np.zeros(len(outputs))
         self._failed_hz: list[float] = []
@@ -206,7 +208,7 @@ class OutputMaxima(Generic[BalancePointT]):
         """Add points to a curve."""
         if not len(self._outputs):
             return AddedMaxima(0, 0, ())
-        known = [self._sampled(each) for each in curve.points]
+        known = [each for points in _of_one_size(curve.points) for each in self._sampled(points)]
         self._highest = np.max([each.amplitude for each in known], axis=0)
         for each in known:
             self._corrector.measure(each.point)  # the largest motion of all is the scale
@@ -275,21 +277,29 @@ class OutputMaxima(Generic[BalancePointT]):
         revision = self._revise(correction.point, tangent)
         if revision.system is not None:
             tangent = metric.unit(self._corrector.direction_of(revision.point, revision.system, 1.0))
-        return self._sampled(BranchPoint(revision.point, correction.iterations, tangent))
+        return self._sampled([BranchPoint(revision.point, correction.iterations, tangent)])[0]
 
-    def _sampled(self, branch_point: BranchPoint[BalancePointT]) -> _Sampled[BalancePointT]:
-        """The outputs at a point."""
-        trial = branch_point.point.trial
-        balance = self._balance_of(len(trial.amplitude) // 2)
-        motion, _ = self._balances.motion([trial], balance.displacement([trial]))
-        coefficients = motion[0] @ self._outputs.T
-        return _Sampled(branch_point, coefficients, periodic_amplitude(coefficients.T))
+    def _sampled(self, points: Sequence[BranchPoint[BalancePointT]]) -> list[_Sampled[BalancePointT]]:
+        """The outputs at points with one number of harmonics."""
+        trials = [each.point.trial for each in points]
+        balance = self._balance_of(len(trials[0].amplitude) // 2)
+        motion, _ = self._balances.motion(trials, balance.displacement(trials))
+        coefficients = motion @ self._outputs.T
+        return [
+            _Sampled(point, each, periodic_amplitude(each.T)) for point, each in zip(points, coefficients, strict=True)
+        ]
 
     def _vibration(self, amplitude: FloatArray) -> FloatArray:
-        """Coefficients (..., 2H+1, k) of the outputs for changes (..., 2H, n) of the modal amplitudes; no mean."""
-        balance = self._balance_of(amplitude.shape[-2] // 2)
-        still = np.zeros((*amplitude.shape[:-2], amplitude.shape[-2] + 1, balance.rows))
-        return np.asarray(self._balances.shown(balance.compliance.displacement(amplitude, still)) @ self._outputs.T)
+        """Coefficients (2, 2H+1, k) of the outputs for changes (2, 2H, n) of the modal amplitudes; no mean."""
+        vibration = self._vibration_of(self._balance_of(amplitude.shape[1] // 2), amplitude)
+        return np.concatenate([np.zeros_like(vibration[:, :1]), vibration], axis=1)
+
+
+def _of_one_size(points: Sequence[BranchPoint[BalancePointT]]) -> Iterator[list[BranchPoint[BalancePointT]]]:
+    """Successive points with one number of harmonics, at most CHUNK: one product with all modes serves for them."""
+    for _, group in itertools.groupby(points, lambda each: len(each.point.trial.amplitude)):
+        while chunk := list(itertools.islice(group, CHUNK)):
+            yield chunk
 
 
 def _amplitudes(coefficients: FloatArray) -> FloatArray:

@@ -45,6 +45,10 @@ from stickslip.structure.superelement import Superelement
 STIFFEST_CONTACT = 1e7
 
 
+# Coefficients (..., 2H, k) of outputs for modal amplitudes (..., 2H, n) of a balance.
+Vibration = Callable[[Balance, FloatArray], FloatArray]
+
+
 class StageReport:
     """Reports progress: the finished fraction, the current stage, and the iterations of Newton's method."""
 
@@ -105,6 +109,7 @@ class CurveBalances(Protocol):
     @property
     def shown_pairs(self) -> ContactPairs: ...
     def shown(self, coefficients: FloatArray) -> FloatArray: ...
+    def vibration_of(self, outputs: FloatArray) -> Vibration: ...
     def motion(self, trials: Sequence[Trial], displacement: FloatArray) -> tuple[FloatArray, FloatArray | None]: ...
     def landmarks(self) -> Landmarks: ...
     def unbounded(self, window: tuple[float, float]) -> tuple[str, ...]: ...
@@ -153,7 +158,9 @@ class Balances:
     @cached_property
     def free(self) -> LinearLimit:
         """The structure without contact."""
-        return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.velocity_matrix)
+        mass, stiffness, stuck = self.superelement.mass, self.superelement.stiffness, self.stuck
+        root = stuck.damping_root if self.superelement.gyroscopic is None else None
+        return LinearLimit.of_matrices(mass, stiffness, stuck.velocity_matrix, root)
 
     @property
     def is_damped(self) -> bool:
@@ -173,6 +180,11 @@ class Balances:
     def shown(self, coefficients: FloatArray) -> FloatArray:
         """Coefficients (..., 2H+1, n) of the unknowns of results: the same."""
         return coefficients
+
+    def vibration_of(self, outputs: FloatArray) -> Vibration:
+        """The outputs (k, n) of vibrations, without the unknowns, whose number is many times that of the outputs."""
+        shapes = self.stuck.modes.T @ outputs.T
+        return lambda balance, amplitude: np.asarray(amplitude @ shapes)
 
     def landmarks(self) -> Resonances:
         """The natural frequencies that the force excites."""

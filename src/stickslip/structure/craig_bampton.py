@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -15,7 +15,7 @@ from stickslip.core.threads import in_threads
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
-from stickslip.structure.factor import Backend, Factor, factor_forecast, factorize
+from stickslip.structure.factor import MANY_COLUMNS, Backend, Factor, factor_forecast, factorize
 from stickslip.structure.floating_parts import floating_message
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
@@ -24,6 +24,9 @@ from stickslip.structure.superelement import Superelement
 
 # Columns of a matrix product at a time; each thread has this number in memory.
 BLOCK = 64
+# A larger boundary is reduced block by block: the product of the constraint modes with the mass, for each column two
+# operations for each number of all of them, then takes longer than a second solution (docs/performance.md).
+LARGE_BOUNDARY = MANY_COLUMNS
 
 
 def craig_bampton(
@@ -134,16 +137,11 @@ def reduced_matrices(
     except SingularMatrixError as error:
         raise InputError(floating_message(stiffness_ii, node[interior])) from error
     size, n_boundary = len(boundary) + n_modes, len(boundary)
+    if n_boundary >= LARGE_BOUNDARY and backend == "superlu" and factor.dtype is float:
+        return _reduced_by_blocks(matrices, gyroscopic, boundary, interior, factor, n_modes, report)
 
     transformation: Any = np.empty((len(interior), size), dtype=factor.dtype)
-    squared = np.empty(0)
-    report(0.2, f"{n_modes} fixed-interface modes")
-    if n_modes:
-        frequency_hz, modes = natural_frequencies(
-            stiffness_ii, mass[interior][:, interior], n_modes, shift=0.0, factor=factor
-        )
-        transformation[:, n_boundary:] = modes
-        squared = (2.0 * np.pi * frequency_hz) ** 2
+    squared, transformation[:, n_boundary:] = _fixed_interface_modes(matrices, interior, factor, n_modes, report)
     constraint = transformation[:, :n_boundary]
     solved = f"{n_boundary} constraint modes"
     factor.solve(-stiffness_ib, out=constraint, progress=lambda share: report(0.3 + 0.5 * share, solved))
@@ -160,6 +158,98 @@ def reduced_matrices(
     whirl = None if gyroscopic is None else _projected(gyroscopic, boundary, interior, transformation, threads, -1)
     modes = transformation[:, n_boundary:].copy()
     return ReducedMatrices(reduced_mass, reduced_stiffness, reduced_damping, modes, factor, whirl)
+
+
+def _fixed_interface_modes(
+    matrices: tuple[Any, Any, Any], interior: IntArray, factor: Factor, n_modes: int, report: ProgressCallback
+) -> tuple[FloatArray, Any]:
+    """(n_modes,) squares of the circular frequencies and (n_interior, n_modes) mass-normalised modes."""
+    report(0.2, f"{n_modes} fixed-interface modes")
+    if not n_modes:
+        return np.empty(0), np.empty((len(interior), 0), dtype=factor.dtype)
+    inner_stiffness, inner_mass = (each[interior][:, interior] for each in matrices[:2])
+    frequency_hz, modes = natural_frequencies(inner_stiffness, inner_mass, n_modes, shift=0.0, factor=factor)
+    return (2.0 * np.pi * frequency_hz) ** 2, modes
+
+
+def _reduced_by_blocks(
+    matrices: tuple[Any, Any, Any],
+    gyroscopic: Any,
+    boundary: IntArray,
+    interior: IntArray,
+    factor: Factor,
+    n_modes: int,
+    report: ProgressCallback,
+) -> ReducedMatrices:
+    """:func:`reduced_matrices` of a large boundary: a block of constraint modes at a time.
+
+    With ``W = A_ii Psi + A_ib`` of a block of columns the projection of a matrix A is ``A_bi Psi + A_bb + Psi^H W``,
+    and ``Psi^H W = -K_bi (K_ii^-1 W)`` takes a second solution instead of a product with all constraint modes.
+    """
+    stiffness, mass, damping = matrices
+    squared, modes = _fixed_interface_modes(matrices, interior, factor, n_modes, report)
+    n_boundary, size = len(boundary), len(boundary) + n_modes
+    coupling = stiffness[interior][:, boundary].tocsc()
+    adjoint_coupling = coupling.conj().T.tocsr()
+    factor = factor.for_many_columns()
+    one_thread = replace(factor, threads=1)  # blocks run in parallel, not the columns of one
+    projected: list[tuple[Any, Any, int, Any]] = [
+        (
+            matrix[interior][:, interior],
+            matrix[interior][:, boundary].tocsc(),
+            sign,
+            np.zeros((size, size), factor.dtype),
+        )
+        for matrix, sign in ((mass, 1), (damping, 1), (gyroscopic, -1))
+        if matrix is not None
+    ]
+    reduced_stiffness: Any = np.zeros((size, size), dtype=factor.dtype)
+
+    def reduce_block(start: int) -> None:
+        columns = slice(start, min(start + BLOCK, n_boundary))
+        constraint = one_thread.solve(-coupling[:, columns].toarray(), BLOCK)
+        reduced_stiffness[:n_boundary, columns] = adjoint_coupling @ constraint
+        for inner, outer, sign, answer in projected:
+            weighted = inner @ constraint + outer[:, columns].toarray()
+            answer[:n_boundary, columns] = sign * (outer.conj().T @ constraint)
+            answer[:n_boundary, columns] -= adjoint_coupling @ one_thread.solve(weighted, BLOCK)
+            answer[n_boundary:, columns] = modes.conj().T @ weighted
+        report(0.3 + 0.5 * columns.stop / n_boundary, f"{n_boundary} constraint modes")
+
+    in_threads(reduce_block, range(0, n_boundary, BLOCK), factor.threads)
+    report(0.8, "reduced matrices")
+    _add_sparse(reduced_stiffness, stiffness[boundary][:, boundary])
+    reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
+    answers = iter(projected)
+    return ReducedMatrices(
+        _completed(mass, next(answers), boundary, modes),
+        _hermitian(reduced_stiffness, 1),
+        None if damping is None else _completed(damping, next(answers), boundary, modes),
+        modes,
+        factor,
+        None if gyroscopic is None else _completed(gyroscopic, next(answers), boundary, modes),
+    )
+
+
+def _completed(matrix: Any, parts: tuple[Any, Any, int, Any], boundary: IntArray, modes: Any) -> Any:
+    """The projection of a matrix from its columns of the boundary: with ``A_bb``, the columns and the block of the
+    modes."""
+    inner, _, sign, answer = parts
+    count = len(boundary)
+    _add_sparse(answer, matrix[boundary][:, boundary])
+    answer[:count, count:] = sign * answer[count:, :count].conj().T
+    answer[count:, count:] = modes.conj().T @ (inner @ modes)
+    return _hermitian(answer, sign)
+
+
+def _hermitian(matrix: Any, sign: int) -> Any:
+    """A matrix with ``A^H = sign A`` but for round-off, without that; in its place."""
+    for start in range(0, len(matrix), BLOCK):
+        stop = min(start + BLOCK, len(matrix))
+        mean = 0.5 * (matrix[start:stop, start:] + sign * matrix[start:, start:stop].conj().T)
+        matrix[start:stop, start:] = mean
+        matrix[start:, start:stop] = sign * mean.conj().T
+    return matrix
 
 
 def _projected(

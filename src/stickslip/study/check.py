@@ -168,7 +168,12 @@ def _mistuning(case: Case, layout: Layout, structure: AnyStructure) -> Iterator[
         limit = 0.5 * (1.0 + math.sqrt(sector.symmetry.sectors))
         yield "mistuning", f"{mistuning_words(case.mistuning)}; linear, contacts stuck and without contact"
         if case.mistuning.friction_curve:
-            yield "mistuned disk with friction", "one curve of all sectors, for the pattern with the largest factor"
+            loads = case.mistuning.damper_loads
+            own = "" if loads is None else f"; normal loads of {min(loads):.3g} to {max(loads):.3g} times those here"
+            yield (
+                "mistuned disk with friction",
+                f"one curve of all sectors, for the pattern with the largest factor{own}",
+            )
         yield "blade alone", ", ".join(map(hertz, alone_hz[:SHOWN_FREQUENCIES])) + " Hz"
         yield "Whitehead's limit", f"{limit:.3g} times the amplitude of the tuned disk"
 

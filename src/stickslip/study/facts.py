@@ -17,7 +17,7 @@ from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import AnyStructure, Derived, Setup
 from stickslip.model.model import kind_of
-from stickslip.model.rough_face import RoughFace, fractal_roughness_of
+from stickslip.model.rough_face import RoughFace, waves_of
 from stickslip.model.study_structure import study_structure
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
@@ -118,10 +118,18 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     if not rough or case.roughness is None:
         return
     section, first = case.roughness, rough[0]
+    waves = waves_of(section)
     yield "Fractal dimension D", section.fractal_dimension, "-", "of the surface; a measure of its fine-scale content"
-    yield "Fractal roughness G", fractal_roughness_of(section), "m", "scale of the heights"
+    yield "Fractal roughness G", waves.fractal_roughness, "m", "scale of the heights"
     yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
     yield "Sdq", float(first.statistics.sdq), "-", "root mean square slope"
+    if section.sdq is not None:
+        yield (
+            "Shortest wave",
+            float(1e6 * waves.shortest),
+            "µm",
+            "from Sq and Sdq; credible if it is about twice the spacing of the measurement",
+        )
     yield (
         "Critical spot area",
         float(1e6 * first.stiffness.critical_area),
@@ -194,15 +202,25 @@ def compared_tractions(
     ``other`` may also be a message with the reason why there is no such curve.
     """
     names = ("kept", "released") if case.preload.residual_traction == "kept" else ("released", "kept")
+    label, of_study = f"Peak with tractions at rest {names[1]}", f"this study's tractions are {names[0]}"
+    return compared_peaks(label, of_study, response, other, output)
+
+
+def compared_peaks(
+    label: str, of_study: str, response: ForcedResponse, other: ForcedResponse | str, output: FloatArray
+) -> tuple[Derived, ...]:
+    """The peak of a curve with another choice, ``label``, beside that of the study, which ``of_study`` describes.
+
+    ``other`` may also be a message with the reason why there is no such curve.
+    """
     own = summary(response, output)
-    label = f"Peak with tractions at rest {names[1]}"
     if isinstance(other, str):
         return ((label, "no result", "-", other),)
     there = summary(other, output)
     change = 100.0 * (there.peak.amplitude / own.peak.amplitude - 1.0)
     energy = 100.0 * (there.friction_energy / own.friction_energy - 1.0) if own.friction_energy > 0.0 else math.nan
     shift = there.peak.frequency_hz - own.peak.frequency_hz
-    words = f"this study's tractions are {names[0]}; {change:+.2f} % relative to it"
+    words = f"{of_study}; {change:+.2f} % relative to it"
     if not other.converged:
         words += f"; that curve is not complete: {other.message}"
     return (

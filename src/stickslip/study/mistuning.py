@@ -10,7 +10,7 @@ from stickslip.case.case import Case, CyclicCase
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
-from stickslip.model.kinds.mistuning import deviations, mistuning_words
+from stickslip.model.kinds.mistuning import deviations, mistuning_words, unequal_dampers
 from stickslip.model.model import ReducedModel
 from stickslip.results.mistuning import LIMITS, Mistuning
 from stickslip.results.response import ForcedResponse
@@ -78,6 +78,7 @@ def _with_friction(
 ) -> Mistuning:
     """The curve of all sectors with friction for the shown pattern, over the range of [solver], beside the factors."""
     settings, ratio, blade = case.solver, case.damping.modal_damping_ratio, model.reduced.blade
+    assert case.mistuning is not None
     assert ratio is not None
     assert blade is not None
     try:
@@ -85,7 +86,7 @@ def _with_friction(
             model.substructure.require_sector(),
             blade,
             linear.deviation[linear.shown],
-            model.pairs.with_update(settings.update),
+            unequal_dampers(case.mistuning, model.pairs.with_update(settings.update)),
             model.excitation,
             next(iter(model.outputs.values())),
             frequency_hz=(settings.frequency_start, settings.frequency_stop),
@@ -110,6 +111,7 @@ def _with_friction(
         ring_amplitude=curve.amplitude,
         converged=curve.converged,
         message=f"{linear.message} With friction: {curve.message}",
+        warnings=(*linear.warnings, *curve.warnings),
     )
 
 

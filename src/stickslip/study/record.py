@@ -12,6 +12,8 @@ import numpy as np
 from stickslip.case.analysis import ForcedAnalysis
 from stickslip.case.case import Case
 from stickslip.case.reference import MODE_COUNT
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.exponential import ExponentialContact
 from stickslip.contact.law.law import ContactState
 from stickslip.contact.pairing.local_axes import mean_tangents
 from stickslip.contact.pairing.pairing import FacePairs
@@ -23,12 +25,20 @@ from stickslip.model.layout import AnyStructure, Derived
 from stickslip.model.model import ReducedModel, kind_of
 from stickslip.model.study_structure import study_structure
 from stickslip.results.face_directions import FaceDirections
-from stickslip.results.record import ModeRow, StudyRecord, Value, model_frequency, reference_deviation
+from stickslip.results.record import (
+    CONSTANT_STIFFNESS_PEAK,
+    ModeRow,
+    StudyRecord,
+    Value,
+    model_frequency,
+    reference_deviation,
+)
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.substructure import Substructure
-from stickslip.study.analyses import solve
+from stickslip.study.analyses import forced_curve, solve
 from stickslip.study.facts import (
+    compared_peaks,
     compared_tractions,
     derived_quantities,
     linear_natural_frequencies,
@@ -134,6 +144,25 @@ def with_other_tractions(
         return compared_tractions(case, response, solve(curve_only, changed, progress, threads), output)
     except ConvergenceError as error:
         return compared_tractions(case, response, str(error), output)
+
+
+def with_constant_stiffness(
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
+) -> tuple[Derived, ...]:
+    """The peak with constant springs, if the stiffness of any pair follows the momentary pressure."""
+    pairs = model.pairs
+    if not any(isinstance(each, ExponentialContact) for each in pairs.laws):
+        return ()
+    laws = [each.with_constant_stiffness() if isinstance(each, ExponentialContact) else each for each in pairs.laws]
+    changed = replace(model, pairs=ContactPairs.with_laws(pairs.operator, laws, pairs.members))
+    curve_only = case.model_copy(update={"analysis": ForcedAnalysis()})
+    other: ForcedResponse | str
+    try:
+        other = forced_curve(curve_only, changed, progress, threads, checks=False)
+    except ConvergenceError as error:
+        other = str(error)
+    output, of_study = next(iter(model.outputs.values())), "this study's stiffness follows the momentary pressure"
+    return compared_peaks(CONSTANT_STIFFNESS_PEAK, of_study, response, other, output)
 
 
 def compare_modes(

@@ -21,7 +21,7 @@ from stickslip.study.analyses import solve
 from stickslip.study.assembled import Assembled
 from stickslip.study.disk import DiskOfStudy
 from stickslip.study.gradients import with_gradients
-from stickslip.study.record import compare_modes, study_record, with_other_tractions
+from stickslip.study.record import compare_modes, study_record, with_constant_stiffness, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
 from stickslip.study.stress import StressAtPeak, stress_at_peak
 from stickslip.study.stress_summary import NO_MESH, NO_SECTOR_STRESS, stress_summary, surface_stress
@@ -133,6 +133,7 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
         response = with_gradients(case, model, response, progress, threads)
     record = study_record(case, model, table, response)
     other = with_other_tractions(case, model, response, progress, threads)
+    other = (*other, *with_constant_stiffness(case, model, response, progress, threads))
     motion = motion_at_peak(model, response, disk)
     progress.update("Stress", 0.0, "at the peak")
     stress, surface = stress_at_peak(case, model, response), None

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 import scipy.integrate
@@ -9,6 +12,12 @@ import scipy.integrate
 import stickslip as ss
 from sentences import rejects
 
+# The laws accept numbers and lists as constants; the annotations of their fields are those of the stored arrays.
+CubicSpring: Callable[..., ss.CubicSpring] = ss.CubicSpring
+ElasticStop: Callable[..., ss.ElasticStop] = ss.ElasticStop
+JenkinsElement: Callable[..., ss.JenkinsElement] = ss.JenkinsElement
+IwanJoint: Callable[..., ss.IwanJoint] = ss.IwanJoint
+CoulombLaw: Callable[..., ss.CoulombLaw] = ss.CoulombLaw
 MASS, SAMPLES = 1.0, 1024
 ROW = np.array([1.0, 0.0, 0.0])
 
@@ -28,10 +37,10 @@ def curve(
     structure = ss.Superelement(MASS * np.eye(3), 4e5 * np.eye(3), 20.0 * np.eye(3))
     load = np.zeros(3)
     load[direction] = force
-    settings = {"harmonics": 1, "samples": SAMPLES} | options
+    settings: dict[str, Any] = {"harmonics": 1, "samples": SAMPLES} | options
     return ss.forced_response(
         structure, ss.ContactPairs.with_laws(np.eye(3), [law]), load, frequency_hz=window, **settings
-    )  # type: ignore[arg-type]
+    )
 
 
 def balance_of_one_harmonic(response: ss.ForcedResponse, axis: int, law: ss.ContactLaw, force: float) -> np.ndarray:
@@ -44,7 +53,7 @@ def balance_of_one_harmonic(response: ss.ForcedResponse, axis: int, law: ss.Cont
 
 
 def test_cubic_spring_has_the_coefficient_of_duffing() -> None:
-    law = ss.CubicSpring(1e5, 1e15)
+    law = CubicSpring(1e5, 1e15)
     for amplitude in (1e-6, 1e-5, 1e-4):
         expected = 1e5 * amplitude + 0.75e15 * amplitude**3
         assert first_harmonic(law, 2, amplitude) == pytest.approx(expected, rel=1e-12)
@@ -52,7 +61,7 @@ def test_cubic_spring_has_the_coefficient_of_duffing() -> None:
 
 def test_the_curve_of_a_duffing_oscillator() -> None:
     """Amplitude over frequency from the cubic of one harmonic, folds included (Nayfeh and Mook, sec. 4.1)."""
-    response = curve(ss.CubicSpring(1e5, 1e15), 0, 1.0, (105.0, 230.0))
+    response = curve(CubicSpring(1e5, 1e15), 0, 1.0, (105.0, 230.0))
     assert response.converged, response.message
     size = response.harmonic_amplitude(ROW, 1)
     omega = 2 * np.pi * response.frequency_hz
@@ -66,7 +75,7 @@ def test_the_curve_of_a_duffing_oscillator() -> None:
 @pytest.mark.parametrize("two_sided", [False, True])
 def test_stop_has_the_coefficient_of_a_piecewise_linear_spring(two_sided: bool) -> None:
     stiffness, gap, spring = 3e6, 2e-6, 1e5
-    law = ss.ElasticStop(stiffness, gap, spring, two_sided=two_sided)
+    law = ElasticStop(stiffness, gap, spring, two_sided=two_sided)
     assert first_harmonic(law, 2, 0.99 * gap) == pytest.approx(spring * 0.99 * gap, rel=1e-12)
     for amplitude in (3e-6, 1e-5):
         angle = np.arccos(gap / amplitude)
@@ -76,7 +85,7 @@ def test_stop_has_the_coefficient_of_a_piecewise_linear_spring(two_sided: bool) 
 
 
 def test_stop_says_when_it_is_hit() -> None:
-    law = ss.ElasticStop([1e6, 1e6], [2e-6, 2e-5])
+    law = ElasticStop([1e6, 1e6], [2e-6, 2e-5])
     coefficients = np.zeros((2, 3, 3))
     coefficients[:, 2, 1] = 1e-5
     assert law.period(coefficients, 64).state.tolist() == [ss.ContactState.SEPARATING, ss.ContactState.STUCK]
@@ -86,7 +95,7 @@ def test_stop_says_when_it_is_hit() -> None:
 def test_the_curve_of_an_oscillator_with_a_stop_against_time_integration() -> None:
     """Five harmonics against scipy's Runge-Kutta on the equation of motion, which knows nothing of this code."""
     stiffness, gap, force, hertz = 4e5, 1e-5, 4.0, 112.0
-    law = ss.ElasticStop(stiffness, gap)
+    law = ElasticStop(stiffness, gap)
     response = curve(law, 2, force, (112.0, 118.0), harmonics=9)
     omega = 2 * np.pi * hertz
 
@@ -106,7 +115,7 @@ def test_the_curve_of_an_oscillator_with_a_stop_against_time_integration() -> No
 def test_jenkins_equals_the_closed_form() -> None:
     """Describing function of an elastic-dry-friction element (T. K. Caughey, J. Appl. Mech. 27 (1960) 640)."""
     k, limit = 1e6, 4.0
-    law = ss.JenkinsElement(k, limit)
+    law = JenkinsElement(k, limit)
     assert first_harmonic(law, 0, 3.9e-6) == pytest.approx(k * 3.9e-6, rel=1e-12)
     for amplitude in (6e-6, 2e-5):
         angle = np.arccos(1.0 - 2.0 * limit / (k * amplitude))
@@ -125,8 +134,8 @@ def test_jenkins_equals_the_closed_form() -> None:
 @pytest.mark.slow
 def test_jenkins_equals_coulomb_friction_under_a_constant_load() -> None:
     """Two implementations: the element by itself, and the cone of Coulomb pairs that move along t1 alone."""
-    jenkins = curve(ss.JenkinsElement(2e5, 3.0, 1e6), 0, 8.0, (95.0, 130.0), harmonics=5)
-    coulomb = curve(ss.CoulombLaw([1e6], [2e5], [0.3], [10.0], [0.0]), 0, 8.0, (95.0, 130.0), harmonics=5)
+    jenkins = curve(JenkinsElement(2e5, 3.0, 1e6), 0, 8.0, (95.0, 130.0), harmonics=5)
+    coulomb = curve(CoulombLaw([1e6], [2e5], [0.3], [10.0], [0.0]), 0, 8.0, (95.0, 130.0), harmonics=5)
     assert jenkins.converged
     # To the error of sums of samples, (2 pi / 1024)^2 / 12: the Coulomb pairs know the instants of their events.
     assert jenkins.frequency_hz == pytest.approx(coulomb.frequency_hz, rel=1e-5)
@@ -142,7 +151,7 @@ IWAN = {"tangential_stiffness": 1.5e7, "slip_force": 4000.0, "exponent": -0.6, "
 
 def test_iwan_backbone_and_energy_equal_the_integrals_of_its_distribution() -> None:
     """By quadrature over the elements: F = int phi rho + x int rho, D = int 4 phi (X - phi) rho (Segalman 2005)."""
-    law = ss.IwanJoint(**IWAN)
+    law = IwanJoint(**IWAN)
     density, chi, largest = float(law._density[0, 0]), -0.6, float(law.macroslip_displacement[0, 0])
     spike = 1.5e7 - density * largest ** (chi + 1) / (chi + 1)
     assert spike > 0
@@ -160,7 +169,7 @@ def test_iwan_backbone_and_energy_equal_the_integrals_of_its_distribution() -> N
 @pytest.mark.slow
 def test_iwan_equals_a_thousand_jenkins_elements_on_any_path() -> None:
     """The walk along turning points against the sum of the elements of its distribution."""
-    law = ss.IwanJoint(**IWAN)
+    law = IwanJoint(**IWAN)
     density, chi, largest = float(law._density[0, 0]), -0.6, float(law.macroslip_displacement[0, 0])
     edges = largest * np.linspace(0.0, 1.0, 3001) ** 3
     stiffness = density * np.diff(edges ** (chi + 1)) / (chi + 1)
@@ -175,14 +184,14 @@ def test_iwan_equals_a_thousand_jenkins_elements_on_any_path() -> None:
         actual = law.cycle(motion)
         many = np.zeros((400, stiffness.size, 3))
         many[:, :, 0] = path[:, None]
-        elements = ss.JenkinsElement(stiffness, limits).cycle(many)
+        elements = JenkinsElement(stiffness, limits).cycle(many)
         total = elements.force[:, :, 0].sum(axis=1)
         assert actual.force[:, 0, 0] == pytest.approx(total, abs=2e-3 * np.abs(total).max())
         assert actual.dissipated_energy[0] == pytest.approx(elements.dissipated_energy.sum(), rel=3e-3)
 
 
 def test_the_curve_of_an_iwan_joint_dissipates_as_its_closed_form() -> None:
-    law = ss.IwanJoint(2e5, 5.0, -0.5, 0.1)
+    law = IwanJoint(2e5, 5.0, -0.5, 0.1)
     response = curve(law, 0, 3.0, (105.0, 130.0))
     assert response.converged, response.message
     size = response.harmonic_amplitude(ROW, 1)
@@ -196,23 +205,23 @@ def test_the_curve_of_an_iwan_joint_dissipates_as_its_closed_form() -> None:
 @pytest.mark.parametrize(
     ("make", "keys"),
     [
-        (lambda: ss.CubicSpring(-1.0, 1.0), ("stiffness",)),
-        (lambda: ss.CubicSpring([1.0, 2.0], np.ones((3, 3))), ()),
-        (lambda: ss.ElasticStop(1e6, 0.0), ("gap",)),
-        (lambda: ss.ElasticStop(0.0, 1e-6), ("stiffness",)),
-        (lambda: ss.ElasticStop(1e6, 1e-6, two_sided=1), ("two_sided",)),  # type: ignore[arg-type]
-        (lambda: ss.JenkinsElement(1e6, 0.0), ("friction_limit",)),
-        (lambda: ss.JenkinsElement(-1e6, 1.0), ("tangential_stiffness",)),
-        (lambda: ss.IwanJoint(1e6, 1.0, -1.0, 0.0), ("exponent",)),
-        (lambda: ss.IwanJoint(1e6, 1.0, 0.2, 0.0), ("exponent",)),
-        (lambda: ss.IwanJoint(1e6, 1.0, -0.2, -0.1), ("ratio",)),
-        (lambda: ss.IwanJoint(1e6, 0.0, -0.2, 0.1), ("slip_force",)),
-        (lambda: ss.IwanJoint(1e6, np.nan, -0.2, 0.1), ("slip_force",)),
+        (lambda: CubicSpring(-1.0, 1.0), ("stiffness",)),
+        (lambda: CubicSpring([1.0, 2.0], np.ones((3, 3))), ()),
+        (lambda: ElasticStop(1e6, 0.0), ("gap",)),
+        (lambda: ElasticStop(0.0, 1e-6), ("stiffness",)),
+        (lambda: ElasticStop(1e6, 1e-6, two_sided=1), ("two_sided",)),
+        (lambda: JenkinsElement(1e6, 0.0), ("friction_limit",)),
+        (lambda: JenkinsElement(-1e6, 1.0), ("tangential_stiffness",)),
+        (lambda: IwanJoint(1e6, 1.0, -1.0, 0.0), ("exponent",)),
+        (lambda: IwanJoint(1e6, 1.0, 0.2, 0.0), ("exponent",)),
+        (lambda: IwanJoint(1e6, 1.0, -0.2, -0.1), ("ratio",)),
+        (lambda: IwanJoint(1e6, 0.0, -0.2, 0.1), ("slip_force",)),
+        (lambda: IwanJoint(1e6, np.nan, -0.2, 0.1), ("slip_force",)),
         (
-            lambda: ss.CoulombLaw([1.0], [1.0], [0.3], [1.0], [1.0]),
+            lambda: CoulombLaw([1.0], [1.0], [0.3], [1.0], [1.0]),
             ("normal_load", "gap"),
         ),
-        (lambda: ss.CoulombLaw([1.0], [1.0], [0.3], [-1.0], [0.0]), ("normal_load",)),
+        (lambda: CoulombLaw([1.0], [1.0], [0.3], [-1.0], [0.0]), ("normal_load",)),
         (lambda: ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3), ("normal_load",)),
         (
             lambda: ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 5.0, gap=0.0),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 from friction_cases import make_pairs, random_case, sampled
+from numpy.typing import ArrayLike
 
 from sentences import rejects
 from stickslip.contact.law.closed_forms import (
@@ -55,7 +57,7 @@ def loop_errors(name: str, samples: int) -> FloatArray:
     return worst
 
 
-def slope(errors: list[float]) -> float:
+def slope(errors: ArrayLike) -> float:
     return float(-np.polyfit(np.log(COUNTS), np.log(errors), 1)[0])
 
 
@@ -112,7 +114,7 @@ def radial_return_in_steps(force: FloatArray, move: FloatArray, first: float, la
     return np.array([*force, energy])
 
 
-STEPS = {
+STEPS: dict[str, tuple[list[float], list[float], float, float]] = {
     "stick then turn": ([0.3, 0.2], [0.5, 1.4], 1.0, 1.1),
     "on the limit, forward": ([0.6, 0.8], [1.0, 0.1], 1.0, 0.7),
     "on the limit, back across the disc": ([0.6, 0.8], [-2.0, -2.5], 1.0, 1.2),
@@ -129,9 +131,9 @@ STEPS = {
 
 def tractrix_step(force: FloatArray, move: FloatArray, first: float, last: float, tractrix: bool = True) -> FloatArray:
     """T1, T2 and energy of one step of the code, k = 1."""
-    t1, t2, code = advance(*force, *move, first, last, 1.0, 1.0, tractrix)  # type: ignore[call-arg]
+    t1, t2, code = advance(*force, *move, first, last, 1.0, 1.0, tractrix)
     slips = code != STICK and max(first, last) > 0.0
-    energy = step_dissipation(*force, *move, first, last, t1, t2, 1.0, 1.0, tractrix) if slips else 0.0  # type: ignore[call-arg]
+    energy = step_dissipation(*force, *move, first, last, t1, t2, 1.0, 1.0, tractrix) if slips else 0.0
     return np.array([t1, t2, energy])
 
 
@@ -149,7 +151,7 @@ def test_one_tractrix_step_against_small_radial_steps(name: str) -> None:
 def test_touchdown_energy_is_exact(name: str) -> None:
     """From zero force the slider runs straight: half the limit times the closed part of the motion less the stretch."""
     force, move, first, last = STEPS[name]
-    length = np.hypot(*move) * last / (last - first)
+    length = math.hypot(*move) * last / (last - first)
     exact = 0.5 * last * max(length - last, 0.0)
     for tractrix in (True, False):
         assert tractrix_step(np.array(force), np.array(move), first, last, tractrix)[2] == pytest.approx(
@@ -178,7 +180,7 @@ def test_tractrix_extremes_stay_on_the_limit() -> None:
         ([1e-200, 0.0], [1.0, 1.0], 1e-200, 1e-3),
         ([1.0, 0.0], [0.1, 0.2], 1.0, 1e-200),
     ]:
-        t1, t2, code = advance(*force, *move, first, last, 1.0, 1.0, True)  # type: ignore[call-arg]
+        t1, t2, code = advance(*force, *move, first, last, 1.0, 1.0, True)
         assert code == SLIP
         assert np.hypot(t1, t2) == pytest.approx(last, rel=1e-12)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,13 +19,20 @@ from stickslip.contact.law.registry import contact_law, contact_law_names, law_c
 from stickslip.results.storage import load_results, save_results
 
 RNG = np.random.default_rng(11)
+# The laws accept numbers and lists as constants; the annotations of their fields are those of the stored arrays.
+CoulombLaw: Callable[..., ContactLaw] = ss.CoulombLaw
+CubicSpring: Callable[..., ContactLaw] = ss.CubicSpring
+ElasticStop: Callable[..., ContactLaw] = ss.ElasticStop
+JenkinsElement: Callable[..., ContactLaw] = ss.JenkinsElement
+IwanJoint: Callable[..., ContactLaw] = ss.IwanJoint
+ExponentialContact: Callable[..., ContactLaw] = ss.ExponentialContact
 LAWS: dict[str, ContactLaw] = {
-    "coulomb": ss.CoulombLaw([2e6, 1e6], [1e6, 3e6], [0.3, 0.4], [20.0, 0.0], [0.0, 2e-6]),
-    "cubic": ss.CubicSpring([[1e6, 0.0, 2e6], [1e6, 1e6, 1e6]], [[1e17, 2e17, -1e16], [0.0, 0.0, 0.0]]),
-    "elastic-stop": ss.ElasticStop([5e6, 5e6], [3e-6, 1.0], [1e6, 0.0]),
-    "jenkins": ss.JenkinsElement([[1e6, 2e6], [1e6, 0.0]], [[4.0, 1e9], [3.0, 1.0]], 5e5),
-    "iwan": ss.IwanJoint([[1e6, 2e6], [1e6, 3e6]], [[10.0, 20.0], [1e3, 30.0]], [-0.5, 0.0], [0.3, 0.0], 5e5),
-    "exponential": ss.ExponentialContact([2e6, 1e6], [1e6, 3e6], [0.3, 0.8], [20.0, 20.0]),
+    "coulomb": CoulombLaw([2e6, 1e6], [1e6, 3e6], [0.3, 0.4], [20.0, 0.0], [0.0, 2e-6]),
+    "cubic": CubicSpring([[1e6, 0.0, 2e6], [1e6, 1e6, 1e6]], [[1e17, 2e17, -1e16], [0.0, 0.0, 0.0]]),
+    "elastic-stop": ElasticStop([5e6, 5e6], [3e-6, 1.0], [1e6, 0.0]),
+    "jenkins": JenkinsElement([[1e6, 2e6], [1e6, 0.0]], [[4.0, 1e9], [3.0, 1.0]], 5e5),
+    "iwan": IwanJoint([[1e6, 2e6], [1e6, 3e6]], [[10.0, 20.0], [1e3, 30.0]], [-0.5, 0.0], [0.3, 0.0], 5e5),
+    "exponential": ExponentialContact([2e6, 1e6], [1e6, 3e6], [0.3, 0.8], [20.0, 20.0]),
 }
 HARMONICS, SAMPLES = 3, 200
 # Where a static load has left the two pairs, m; the stop of the first is closed there.
@@ -335,8 +343,9 @@ def test_a_law_with_springs_of_its_own_has_no_state_under_load() -> None:
         def resting_springs(self) -> np.ndarray:
             return self.stiffness
 
+    stubborn: Callable[..., ContactLaw] = Stubborn
     with rejects(ss.InputError):
-        Stubborn(1e6, 1e17).about(REST[:1], None)
+        stubborn(1e6, 1e17).about(REST[:1], None)
 
 
 def test_a_hysteretic_law_that_cannot_keep_its_traction_reports_it() -> None:

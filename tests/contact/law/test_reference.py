@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -18,10 +19,11 @@ from stickslip.contact.law.closed_forms import (
     quadrature_loop,
 )
 from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
 
 SPRING, FRICTION, AMPLITUDE = 3.0, 0.4, 1.1
 
-LOOPS = {
+LOOPS: dict[str, tuple[FrictionLoop, Callable[[FloatArray], FloatArray]]] = {
     "jenkins": (jenkins_loop(SPRING, FRICTION, 2.0, AMPLITUDE), lambda t: 2.0 + 0.0 * t),
     "in phase": (in_phase_loop(SPRING, FRICTION, 2.0, 1.1, AMPLITUDE), lambda t: 2.0 + 1.1 * np.cos(t)),
     "in phase, negative": (in_phase_loop(SPRING, FRICTION, 2.0, -0.7, AMPLITUDE), lambda t: 2.0 - 0.7 * np.cos(t)),

@@ -2,21 +2,25 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, Literal
 
 import meshio
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from touching_blocks import block, moved, pin_in_bore, stacked, two_bodies
+from touching_blocks import Options, block, moved, pin_in_bore, stacked, two_bodies
 
 from sentences import printed_sentence, rejects
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces, pair_surfaces, pair_with_ground, write_pairs
 from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
+from stickslip.structure.mesh import Mesh
 
 BOTH = pytest.mark.parametrize("points", ["nodes", "quadrature"])
-KINDS = {
+KINDS: dict[str, Options] = {
     "bricks": {},
     "quadratic bricks": {"quadratic": True},
     "tetrahedra": {"kind": "tetra"},
@@ -29,7 +33,7 @@ KINDS = {
 @BOTH
 @pytest.mark.parametrize("upper", KINDS)
 @pytest.mark.parametrize("lower", KINDS)
-def test_every_kind_of_face_is_covered_once(lower, upper, points):
+def test_every_kind_of_face_is_covered_once(lower: str, upper: str, points: Literal["nodes", "quadrature"]) -> None:
     mesh = stacked((3, 2, 1), (2, 3, 1), lower_options=KINDS[lower], upper_options=KINDS[upper])
     pairing = pair_surfaces(mesh, "bottom", "top", points=points)
     pairs = pairing.pairs
@@ -45,9 +49,9 @@ def test_every_kind_of_face_is_covered_once(lower, upper, points):
     assert_same_place(mesh, pairs, np.zeros(pairs.n_pairs))
 
 
-def assert_same_place(mesh, pairs, gap):
-    def place(nodes, weights):
-        return np.einsum("pk,pkx->px", weights, mesh.points[nodes])
+def assert_same_place(mesh: Mesh, pairs: FacePairs, gap: FloatArray) -> None:
+    def place(nodes: NDArray[np.int64], weights: FloatArray) -> FloatArray:
+        return np.asarray(np.einsum("pk,pkx->px", weights, mesh.points[nodes]))
 
     np.testing.assert_allclose(place(pairs.first_nodes, pairs.first_weights), pairs.points, atol=1e-12)
     opposite = place(pairs.second_nodes, pairs.second_weights)
@@ -77,7 +81,7 @@ def test_nodes_of_interpolated_pairs_are_those_with_weight() -> None:
 
 
 @BOTH
-def test_the_gap_is_measured_along_the_normal(points):
+def test_the_gap_is_measured_along_the_normal(points: Literal["nodes", "quadrature"]) -> None:
     mesh = stacked(offset=(0.0, 0.0, 0.003))
     pairing = pair_surfaces(mesh, "bottom", "top", points=points)
     np.testing.assert_allclose(pairing.pairs.gap, 0.003, rtol=1e-10)
@@ -86,7 +90,7 @@ def test_the_gap_is_measured_along_the_normal(points):
 
 
 @BOTH
-def test_overlap_is_a_negative_gap_and_a_warning(points):
+def test_overlap_is_a_negative_gap_and_a_warning(points: Literal["nodes", "quadrature"]) -> None:
     pairing = pair_surfaces(stacked(offset=(0.0, 0.0, -0.003)), "bottom", "top", points=points)
     np.testing.assert_allclose(pairing.pairs.gap, -0.003, rtol=1e-10)
     (warning,) = pairing.warnings
@@ -117,7 +121,7 @@ def test_a_tilted_face_has_a_gap_that_grows() -> None:
 
 
 @BOTH
-def test_what_hangs_over_stays_unpaired_with_its_area(points):
+def test_what_hangs_over_stays_unpaired_with_its_area(points: Literal["nodes", "quadrature"]) -> None:
     mesh = stacked((4, 2, 1), (4, 3, 1), offset=(0.3, 0.0, 0.0))
     pairing = pair_surfaces(mesh, "bottom", "top", points=points)
     unpaired = pairing.unpaired_first
@@ -176,7 +180,7 @@ def test_of_two_layers_nodes_take_the_nearest_and_cells_reject() -> None:
 
 
 @pytest.mark.parametrize(("pin", "bore"), [(36, 24), (48, 60)])
-def test_gaps_of_a_pin_in_a_bore_with_flat_sides(pin, bore):
+def test_gaps_of_a_pin_in_a_bore_with_flat_sides(pin: int, bore: int) -> None:
     pairing = pair_surfaces(pin_in_bore((pin, 2), (bore, 3)), "top", "bottom", search_distance=0.05)
     pairs = pairing.pairs
     assert pairs.n_pairs == 3 * pin
@@ -222,7 +226,12 @@ def test_gaps_that_come_from_flat_sides_alone_are_reported() -> None:
     shift=st.tuples(*[st.floats(-5.0, 5.0)] * 3),
     gap=st.floats(-0.01, 0.01),
 )
-def test_turning_and_shifting_both_bodies_changes_nothing(points, angles, shift, gap):
+def test_turning_and_shifting_both_bodies_changes_nothing(
+    points: Literal["nodes", "quadrature"],
+    angles: tuple[float, float, float],
+    shift: tuple[float, float, float],
+    gap: float,
+) -> None:
     mesh = stacked((3, 2, 1), (2, 2, 1), offset=(0.2, 0.1, gap), lower_options={"distortion": 0.1})
     rotation = Rotation.from_euler("xyz", angles).as_matrix()
     tangent = np.array([1.0, 2.0, 0.0])
@@ -261,7 +270,7 @@ def test_chosen_tangent_lies_in_the_face() -> None:
         ({"tangent": (1.0, 0.0)}, "tangent"),
     ],
 )
-def test_wrong_options_are_rejected(options, key):
+def test_wrong_options_are_rejected(options: dict[str, Any], key: str) -> None:
     with rejects(InputError, key):
         pair_surfaces(stacked((1, 1, 1), (2, 1, 1)), "bottom", "top", **options)
 
@@ -293,7 +302,7 @@ def test_warnings_about_the_choice_of_the_first_face() -> None:
 
 @BOTH
 @pytest.mark.parametrize("kind", KINDS)
-def test_ground(kind, points):
+def test_ground(kind: str, points: Literal["nodes", "quadrature"]) -> None:
     mesh = stacked(upper_options=KINDS[kind])
     pairing = pair_with_ground(mesh, "bottom", points=points, gap=2e-3)
     pairs = pairing.pairs
@@ -310,10 +319,12 @@ def test_ground(kind, points):
 
 
 def test_wrong_ground_is_rejected() -> None:
+    gaps: Any = [0.0, 1.0]
     with rejects(InputError, "gap"):
-        pair_with_ground(stacked(), "bottom", gap=[0.0, 1.0])
+        pair_with_ground(stacked(), "bottom", gap=gaps)
+    wrong: Any = "all"
     with rejects(InputError, "points"):
-        pair_with_ground(stacked(), "bottom", points="all")
+        pair_with_ground(stacked(), "bottom", points=wrong)
 
 
 def test_interfaces_of_different_kinds_join() -> None:

@@ -1,14 +1,18 @@
 """The patch test: a uniform pressure goes through an interface between meshes that do not match."""
 
+from collections.abc import Sequence
+from typing import Literal
+
 import numpy as np
 import pytest
-from touching_blocks import PRESSURE, press, stacked
+from touching_blocks import PRESSURE, Options, press, stacked
 
 from stickslip.contact.pairing.pairing import pair_surfaces
+from stickslip.core.validation import FloatArray
 
 RIGID = 1e15  # N/m3, a thousand times as stiff as a layer of elements
 SOFT = 1e11  # N/m3, a tenth as stiff as a layer of elements, as contact of steel with elements of 1 mm is
-KINDS = {
+KINDS: dict[str, Options] = {
     "bricks": {},
     "quadratic bricks": {"quadratic": True},
     "tetrahedra": {"kind": "tetra"},
@@ -16,7 +20,14 @@ KINDS = {
 }
 
 
-def pressed(points, normal_per_area, lower=(3, 2, 1), upper=(4, 3, 1), lower_options=(), upper_options=()):
+def pressed(
+    points: Literal["nodes", "quadrature"],
+    normal_per_area: float,
+    lower: Sequence[int] = (3, 2, 1),
+    upper: Sequence[int] = (4, 3, 1),
+    lower_options: Options | None = None,
+    upper_options: Options | None = None,
+) -> tuple[FloatArray, float]:
     mesh = stacked(lower, upper, lower_options=lower_options, upper_options=upper_options)
     pairs = pair_surfaces(mesh, "bottom", "top", points=points).pairs
     pressure, error, forces = press(mesh, pairs, normal_per_area)
@@ -32,14 +43,14 @@ def pressed(points, normal_per_area, lower=(3, 2, 1), upper=(4, 3, 1), lower_opt
 @pytest.mark.slow
 @pytest.mark.parametrize("upper", KINDS)
 @pytest.mark.parametrize("lower", KINDS)
-def test_quadrature_passes_to_round_off(lower, upper):
+def test_quadrature_passes_to_round_off(lower: str, upper: str) -> None:
     pressure, error = pressed("quadrature", RIGID, lower_options=KINDS[lower], upper_options=KINDS[upper])
     assert error < 1e-11
     np.testing.assert_allclose(pressure, 1.0, atol=1e-9)
 
 
 @pytest.mark.parametrize(("kind", "largest"), [("hexahedron", 1.5e-2), ("tetra", 2e-2)])
-def test_quadrature_of_distorted_quadrilaterals_is_close(kind, largest):
+def test_quadrature_of_distorted_quadrilaterals_is_close(kind: str, largest: float) -> None:
     options = {"distortion": 0.2}
     pressure, error = pressed("quadrature", RIGID, lower_options=options, upper_options={**options, "kind": kind})
     assert error < 1e-4

@@ -1,16 +1,25 @@
 """Two blocks whose touching faces have different meshes, a pin in a bore, and the patch test between blocks."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 
 from solid_cells import CORNERS
+from stickslip.contact.pairing.face_pairs import FacePairs
+from stickslip.core.validation import FloatArray
+from stickslip.structure.cell_kinds import IntArray
 from stickslip.structure.elasticity import Material, assemble_bodies
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.shapes import side_rule, side_shape_functions
 
+# Options of ``block``; a function from coordinates between 0 and 1 to m; points, kind, cells, lower and upper nodes.
+Options = Mapping[str, Any]
+Place = Callable[[FloatArray], FloatArray]
+Body = tuple[FloatArray, str, IntArray, list[IntArray]]
 PRESSURE = 1e8
 STEEL = Material(200e9, 0.3, 7800.0)
 # The six tetrahedra around the diagonal from corner 0 to corner 6 of a brick.
@@ -24,7 +33,7 @@ MIDDLES = {
 }
 
 
-def grid(counts, place):
+def grid(counts: Sequence[int], place: Place) -> tuple[FloatArray, IntArray, IntArray]:
     """Points, bricks and node numbers (i, j, k) of a block; ``place`` maps coordinates from 0 to 1 to m."""
     axes = [np.linspace(0.0, 1.0, count + 1) for count in counts]
     points = place(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1))
@@ -34,7 +43,7 @@ def grid(counts, place):
     return points.reshape(-1, 3), np.stack(corners, axis=1), number
 
 
-def with_middles(points, kind, cells):
+def with_middles(points: FloatArray, kind: str, cells: IntArray) -> tuple[FloatArray, str, IntArray]:
     """The same cells with nodes in the middle of their edges."""
     quadratic, edges = MIDDLES[kind]
     ends, position = np.unique(np.sort(cells[:, edges], axis=2).reshape(-1, 2), axis=0, return_inverse=True)
@@ -42,7 +51,7 @@ def with_middles(points, kind, cells):
     return np.vstack([points, points[ends].mean(axis=1)]), quadratic, np.hstack([cells, middle])
 
 
-def body(counts, place, kind="hexahedron", quadratic=False):
+def body(counts: Sequence[int], place: Place, kind: str = "hexahedron", quadratic: bool = False) -> Body:
     """Points, kind, cells, and a function that finds the nodes on ``place``'s side z = 0 or 1."""
     points, cells, number = grid(counts, place)
     if kind == "tetra":
@@ -55,7 +64,7 @@ def body(counts, place, kind="hexahedron", quadratic=False):
     return *with_middles(points, kind, cells), sets
 
 
-def two_bodies(lower, upper):
+def two_bodies(lower: Body, upper: Body) -> Mesh:
     """Mesh of two bodies; sets ``base``, ``top`` of the first and ``bottom``, ``load`` of the second one."""
     shift = len(lower[0])
     sets = {"base": lower[3][0], "top": lower[3][1], "bottom": shift + upper[3][0], "load": shift + upper[3][1]}
@@ -64,10 +73,16 @@ def two_bodies(lower, upper):
     return Mesh(np.vstack([lower[0], upper[0]]), cells, body, sets, ("lower", "upper"))
 
 
-def block(counts, origin, lengths=(1.0, 1.0, 0.5), distortion=0.0, **options):
+def block(
+    counts: Sequence[int],
+    origin: Sequence[float],
+    lengths: Sequence[float] = (1.0, 1.0, 0.5),
+    distortion: float = 0.0,
+    **options: Any,
+) -> Body:
     """A block of bricks or tetrahedra; ``distortion``, in sizes of a brick, moves nodes along x and y."""
 
-    def place(unit):
+    def place(unit: FloatArray) -> FloatArray:
         unit = unit.copy()
         random = np.random.default_rng(sum(counts))
         for axis in (0, 1):
@@ -78,23 +93,29 @@ def block(counts, origin, lengths=(1.0, 1.0, 0.5), distortion=0.0, **options):
     return body(counts, place, **options)
 
 
-def stacked(lower=(3, 2, 2), upper=(4, 3, 2), offset=(0.0, 0.0, 0.0), lower_options=(), upper_options=()):
+def stacked(
+    lower: Sequence[int] = (3, 2, 2),
+    upper: Sequence[int] = (4, 3, 2),
+    offset: Sequence[float] = (0.0, 0.0, 0.0),
+    lower_options: Options | None = None,
+    upper_options: Options | None = None,
+) -> Mesh:
     """A block of 1 x 1 x 0.5 m on another one, moved by ``offset`` (m) from where they touch."""
     return two_bodies(
-        block(lower, (0.0, 0.0, 0.0), **dict(lower_options)),
-        block(upper, np.add((0.0, 0.0, 0.5), offset), **dict(upper_options)),
+        block(lower, (0.0, 0.0, 0.0), **(lower_options or {})),
+        block(upper, (offset[0], offset[1], 0.5 + offset[2]), **(upper_options or {})),
     )
 
 
-def moved(mesh, rotation, shift):
+def moved(mesh: Mesh, rotation: FloatArray, shift: FloatArray) -> Mesh:
     """The mesh turned and shifted."""
     return replace(mesh, points=mesh.points @ rotation.T + shift)
 
 
-def tube(counts, inner, outer, centre=(0.0, 0.0)):
+def tube(counts: Sequence[int], inner: float, outer: float, centre: tuple[float, float] = (0.0, 0.0)) -> Body:
     """A tube around z, 1 m long; set 0 is its bore and set 1 its outside. Counts around, along and across."""
 
-    def place(unit):
+    def place(unit: FloatArray) -> FloatArray:
         angle = 2.0 * np.pi * unit[..., 0]
         radius = inner + (outer - inner) * unit[..., 2]
         return np.stack([centre[0] + radius * np.cos(angle), centre[1] + radius * np.sin(angle), unit[..., 1]], axis=-1)
@@ -111,12 +132,18 @@ def tube(counts, inner, outer, centre=(0.0, 0.0)):
     return points[retained], "hexahedron", cells, sets
 
 
-def pin_in_bore(pin, bore, pin_radius=0.5, bore_radius=0.52, centre=(0.0, 0.0)):
+def pin_in_bore(
+    pin: tuple[int, int],
+    bore: tuple[int, int],
+    pin_radius: float = 0.5,
+    bore_radius: float = 0.52,
+    centre: tuple[float, float] = (0.0, 0.0),
+) -> Mesh:
     """A tube as a pin (``top`` is its outside) in a bore (``bottom``), sides around and along: ``pin``, ``bore``."""
     return two_bodies(tube((*pin, 1), 0.3, pin_radius, centre), tube((*bore, 1), bore_radius, 0.8))
 
 
-def uniform_pressure(mesh, name):
+def uniform_pressure(mesh: Mesh, name: str) -> FloatArray:
     """(n_nodes, 3) N, the consistent nodal forces of ``PRESSURE`` on a face."""
     force = np.zeros((mesh.n_nodes, 3))
     for sides in mesh.sides(name):
@@ -128,7 +155,9 @@ def uniform_pressure(mesh, name):
     return force
 
 
-def press(mesh, pairs, normal_per_area, tangential_per_area=1e6):
+def press(
+    mesh: Mesh, pairs: FacePairs, normal_per_area: float, tangential_per_area: float = 1e6
+) -> tuple[FloatArray, float, FloatArray]:
     """Patch test: pressure on ``load``, ``base`` held along z, the planes x = 0 and y = 0 held across themselves.
 
     Returns the contact pressure of each pair over the applied one (n_pairs,), the largest error of the displacements

@@ -18,13 +18,14 @@ from stickslip.contact.stiffness.detrended_lines import (
 )
 from stickslip.contact.stiffness.random_lines import LineSet, Spectrum, simulate
 from stickslip.contact.stiffness.surface import structure_function, structure_function_limit
+from stickslip.core.validation import FloatArray
 
 LAGS = np.array([1, 2, 5, 11, 20])
 POINTS = 40
 
 
 def test_a_straight_line_leaves_nothing() -> None:
-    lines = np.array([[3.0], [-1.0]]) + np.array([[0.5], [2.0]]) * np.arange(POINTS)
+    lines = np.array([[3.0], [-1.0]]) + np.array([[0.5], [2.0]]) * np.arange(float(POINTS))
     assert np.abs(without_trend(lines)).max() < 1e-12
 
 
@@ -36,7 +37,7 @@ def test_measured_structure_is_the_mean_square_of_differences() -> None:
 @pytest.mark.parametrize("exponent", [0.4, 1.2, 1.8])
 def test_expected_structure_equals_the_dense_projection(exponent: float) -> None:
     """P C P written out, with a covariance that differs from -S/2 by a constant."""
-    structure = np.arange(POINTS) ** exponent
+    structure: FloatArray = np.arange(float(POINTS)) ** exponent
     distance = np.abs(np.subtract.outer(np.arange(POINTS), np.arange(POINTS)))
     basis = straight_lines(POINTS)
     projection = np.eye(POINTS) - basis.T @ basis
@@ -73,7 +74,7 @@ def test_simulated_surfaces_have_the_structure_function_of_the_model(constant: f
     points, lags, hurst = 120, np.array([4, 8, 12]), 0.5
     waves = wavelengths(2.0 * points, 1.0)
     model = LineModel.build(points, 1.0, waves, lags)
-    sets = (LineSet(points, 1.0, 7.0 * np.arange(4), True), LineSet(points, 1.0, 9.0 * np.arange(4), False))
+    sets = (LineSet(points, 1.0, 7.0 * np.arange(4.0), True), LineSet(points, 1.0, 9.0 * np.arange(4.0), False))
     spectrum = Spectrum.of(waves, hurst, 1.0, constant)
     assert (spectrum.shortest == 0.0) == (constant >= 0.0)
     surfaces = islice(simulate(sets, spectrum, np.random.default_rng(2)), 400)

@@ -7,9 +7,9 @@ import pytest
 
 from rough_faces import MINDLIN, NOMINAL_AREA, pair_stiffness, rough
 from sentences import rejects
-from stickslip.contact.stiffness.fractal import fractal_contact
+from stickslip.contact.stiffness.fractal import StiffnessMode, fractal_contact
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
-from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
+from stickslip.contact.stiffness.stiffness_law import Allocation, springs_of_pairs
 from stickslip.core.errors import RoughnessError
 
 
@@ -18,12 +18,12 @@ def face_of(columns: int, rows: int) -> np.ndarray:
     along, across = np.ones(columns), np.ones(rows)
     along[[0, -1]] = across[[0, -1]] = 0.5
     cells = np.outer(along, across).ravel()
-    return NOMINAL_AREA * cells / cells.sum()
+    return np.asarray(NOMINAL_AREA * cells / cells.sum())
 
 
 @pytest.mark.parametrize("mode", ["consistent", "varying-curvature", "unloading"])
 @pytest.mark.parametrize("scale", [1e-8, 1e-10])
-def test_uniform_pressure_makes_both_allocations_equal(mode: str, scale: float) -> None:
+def test_uniform_pressure_makes_both_allocations_equal(mode: StiffnessMode, scale: float) -> None:
     area = face_of(11, 5)
     preload, face = 500.0 * area / area.sum(), rough(2.4, scale, shortest_length=1e-6)
     by_area = pair_stiffness(face, area, preload, mode=mode, allocation="area")
@@ -36,13 +36,13 @@ def test_uniform_pressure_makes_both_allocations_equal(mode: str, scale: float) 
 
 
 @pytest.mark.parametrize("allocation", ["area", "pressure"])
-def test_splitting_every_pair_leaves_the_sum(allocation: str) -> None:
+def test_splitting_every_pair_leaves_the_sum(allocation: Allocation) -> None:
     area, random = face_of(11, 5), np.random.default_rng(3)
     preload = 500.0 * area / area.sum() * random.uniform(0.5, 1.5, area.size)
     parts = random.uniform(0.2, 0.8, area.size)
     coarse = pair_stiffness(rough(), area, preload, allocation=allocation)
-    split = [np.concatenate([parts * values, (1 - parts) * values]) for values in (area, preload)]
-    fine = pair_stiffness(rough(), *split, allocation=allocation)
+    areas, loads = (np.concatenate([parts * values, (1 - parts) * values]) for values in (area, preload))
+    fine = pair_stiffness(rough(), areas, loads, allocation=allocation)
     for first, second in zip(coarse, fine, strict=True):
         np.testing.assert_allclose(second[: area.size] + second[area.size :], first, rtol=1e-10)
 

@@ -23,7 +23,13 @@ from stickslip.contact.stiffness.asperities import (
     log_critical_area,
     spots_under_load,
 )
-from stickslip.contact.stiffness.fractal import ContactStatus, Roughness, fractal_contact, reduced_modulus
+from stickslip.contact.stiffness.fractal import (
+    ContactStatus,
+    Roughness,
+    StiffnessMode,
+    fractal_contact,
+    reduced_modulus,
+)
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
 from stickslip.core.errors import InputError, RoughnessError
@@ -49,7 +55,7 @@ class SpotBySpot:
     def interference(self, area: float) -> float:
         """delta of equation (6), with d."""
         r, d = self.roughness, self.d
-        return 2 * r.fractal_roughness ** (d - 1) * sqrt(log(RATIO)) * (2 * sqrt(area / pi)) ** (2 - d)
+        return float(2 * r.fractal_roughness ** (d - 1) * sqrt(log(RATIO)) * (2 * sqrt(area / pi)) ** (2 - d))
 
     def curvature_radius(self, area: float) -> float:
         return area / pi / (2 * self.interference(area))
@@ -57,7 +63,7 @@ class SpotBySpot:
     def elastic_load(self, area: float) -> float:
         """Hertz in load and interference."""
         root = sqrt(self.curvature_radius(area))
-        return 4 / 3 * self.roughness.reduced_modulus * root * self.interference(area) ** 1.5
+        return float(4 / 3 * self.roughness.reduced_modulus * root * self.interference(area) ** 1.5)
 
     def is_plastic(self, area: float) -> bool:
         return self.elastic_load(area) > self.roughness.hardness * area
@@ -75,7 +81,7 @@ class SpotBySpot:
     def count(self, area: float) -> float:
         """n(a') a', the number of spots for each step of ln a'."""
         d, psi = self.d, self.roughness.domain_extension
-        return d / 2 * psi ** ((2 - d) / 2) * (self.largest / area) ** (d / 2)
+        return float(d / 2 * psi ** ((2 - d) / 2) * (self.largest / area) ** (d / 2))
 
     def total(
         self, plastic: Callable[[float], float], elastic: Callable[[float], float], largest: float = inf
@@ -158,14 +164,14 @@ def test_tabulated_values(row: dict[str, float]) -> None:
     face = rough(row["fractal_dimension"], row["fractal_roughness_m"])
     actual = fractal_contact(face, row["load_n"], area=NOMINAL_AREA)
     printed = fractal_contact(face, row["load_n"], mode="varying-curvature")
-    four_digits = {"rel": 6e-4}
-    assert actual.critical_area == pytest.approx(row["critical_area_m2"], **four_digits)
-    assert actual.largest_area == pytest.approx(row["largest_area_m2"], **four_digits)
-    assert actual.plastic_load_share == pytest.approx(row["plastic_load_share"], **four_digits)
-    assert actual.real_area / NOMINAL_AREA == pytest.approx(row["real_area_share"], **four_digits)
-    assert actual.normal == pytest.approx(row["normal_consistent"], **four_digits)
-    assert actual.tangential == pytest.approx(row["tangential"], **four_digits)
-    assert printed.normal == pytest.approx(row["normal_varying_curvature"], **four_digits)
+    four_digits = 6e-4
+    assert actual.critical_area == pytest.approx(row["critical_area_m2"], rel=four_digits)
+    assert actual.largest_area == pytest.approx(row["largest_area_m2"], rel=four_digits)
+    assert actual.plastic_load_share == pytest.approx(row["plastic_load_share"], rel=four_digits)
+    assert actual.real_area / NOMINAL_AREA == pytest.approx(row["real_area_share"], rel=four_digits)
+    assert actual.normal == pytest.approx(row["normal_consistent"], rel=four_digits)
+    assert actual.tangential == pytest.approx(row["tangential"], rel=four_digits)
+    assert printed.normal == pytest.approx(row["normal_varying_curvature"], rel=four_digits)
     assert printed.tangential == actual.tangential
     assert (actual.status == ContactStatus.FULLY_PLASTIC) == (row["normal_consistent"] == 0.0)
 
@@ -293,7 +299,7 @@ def test_the_spots_carry_the_load(face: Roughness, log_load: float, log_smallest
 
 @quick
 @given(faces, st.floats(-2, 4), st.sampled_from(["consistent", "varying-curvature"]))
-def test_stiffness_is_never_negative_and_rises_with_load(face: Roughness, log_load: float, mode: str) -> None:
+def test_stiffness_is_never_negative_and_rises_with_load(face: Roughness, log_load: float, mode: StiffnessMode) -> None:
     load = 10.0**log_load
     lower, upper = fractal_contact(face, load, mode), fractal_contact(face, 1.5 * load, mode)
     assert 0.0 <= lower.normal <= upper.normal
@@ -350,7 +356,9 @@ def test_the_status_is_the_worst_finding() -> None:
     valid = fractal_contact(rough(), 500.0, area=NOMINAL_AREA)
     assert (valid.status, valid.messages) == (ContactStatus.VALID, ())
     several = fractal_contact(rough(2.2, sample_length=0.028, shortest_length=1e-6), 500.0)
-    assert several.status == ContactStatus.FULLY_PLASTIC == "fully plastic"
+    assert several.status == ContactStatus.FULLY_PLASTIC
+    as_text: Any = "fully plastic"
+    assert several.status == as_text
     assert len(several.messages) == 3
     printed_sentence("\n".join(several.messages))
 
@@ -381,14 +389,16 @@ def test_roughness_out_of_range(changes: dict[str, float], expected: tuple[Any, 
 
 
 def test_arguments_out_of_range() -> None:
+    wrong: Any = "printed"
     with rejects(InputError, "mode"):
-        fractal_contact(rough(), 1.0, "printed")
+        fractal_contact(rough(), 1.0, wrong)
     with rejects(InputError, "load"):
         fractal_contact(rough(), float("nan"))
     with rejects(InputError, "area"):
         fractal_contact(rough(), 1.0, area=0.0)
+    wrong = "pair"
     with rejects(InputError, "allocation"):
-        pair_stiffness(rough(), np.ones(2), 1.0, allocation="pair")
+        pair_stiffness(rough(), np.ones(2), 1.0, allocation=wrong)
     with rejects(InputError, "area"):
         pair_stiffness(rough(), [1.0, 0.0], 1.0)
     with rejects(InputError, "preload"):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from math import atan2, cos, log, pi, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 
 from sentences import rejects
 from stickslip.contact.stiffness.asperities import Roughness
@@ -28,7 +30,7 @@ LENGTH, RATIO, RIDGES, N_MAX = 0.028, 1.5, 10, 14
 quick = settings(max_examples=40, deadline=None, derandomize=True)
 
 
-def heights(x: object, y: object, dimension: float = 2.4, scale: float = 1e-8, seed: int = 1) -> np.ndarray:
+def heights(x: ArrayLike, y: ArrayLike, dimension: float = 2.4, scale: float = 1e-8, seed: int = 1) -> np.ndarray:
     """Heights of a small surface."""
     return fractal_surface(x, y, dimension, scale, LENGTH, RIDGES, draw_phases(seed, RIDGES, N_MAX))
 
@@ -245,10 +247,11 @@ def test_arguments_out_of_range() -> None:
     ):
         with rejects(InputError, *keys):
             fractal_surface(**({"x": [0.0, 1.0], "y": [0.0, 1.0], "phases": phases} | arguments | changes))
+    broken: Any = 1.5
     with rejects(InputError, "n_max"):
         draw_phases(1, 2, -1)
     with rejects(InputError, "seed"):
-        draw_phases(1.5, 2, 3)
+        draw_phases(broken, 2, 3)
     with rejects(InputError, "shortest_length"):
         frequency_count(1.0, 0.0)
     with rejects(InputError, "sq_height"):

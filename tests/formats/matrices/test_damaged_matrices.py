@@ -1,6 +1,7 @@
 """Damaged files: a sentence that names the file, or the model that was written; never a traceback or another model."""
 
 import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +18,14 @@ CUTS = 25
 
 
 @pytest.fixture
-def good(tmp_path, small):
+def good(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> tuple[Path, None, Path]:
     """A mass and a map that are in order; what is damaged is the stiffness."""
     np.save(tmp_path / "m.npy", small[1])
     (tmp_path / "map.csv").write_text(MAPS["map.csv"]())
     return tmp_path / "m.npy", None, tmp_path / "map.csv"
 
 
-def damaged_versions(content, seed):
+def damaged_versions(content: bytes, seed: int) -> Iterator[bytes]:
     """Shuffled lines and blocks, changed bytes, and bytes at random, from a fixed seed."""
     random = np.random.default_rng(seed)
     lines = content.splitlines(keepends=True)
@@ -42,7 +43,9 @@ def damaged_versions(content, seed):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_truncated_file_is_rejected_or_complete(tmp_path, small, good, kind):
+def test_a_truncated_file_is_rejected_or_complete(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], good: tuple[Path, None, Path], kind: str
+) -> None:
     suffix, write = WRITERS[kind]
     path = tmp_path / f"k{suffix}"
     write(path, small[0])
@@ -61,7 +64,9 @@ def test_a_truncated_file_is_rejected_or_complete(tmp_path, small, good, kind):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_shuffled_or_binary_file_is_rejected_by_a_sentence(tmp_path, small, good, kind):
+def test_a_shuffled_or_binary_file_is_rejected_by_a_sentence(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], good: tuple[Path, None, Path], kind: str
+) -> None:
     suffix, write = WRITERS[kind]
     path = tmp_path / f"k{suffix}"
     write(path, small[0])
@@ -78,7 +83,9 @@ def test_a_shuffled_or_binary_file_is_rejected_by_a_sentence(tmp_path, small, go
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_damaged_maps(tmp_path, small, good, name):
+def test_damaged_maps(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], good: tuple[Path, None, Path], name: str
+) -> None:
     np.save(tmp_path / "k.npy", small[0])
     content = MAPS[name]().encode()
     path = tmp_path / name

@@ -1,6 +1,7 @@
 """The exchange format comes back as written, in any order of unknowns; wrong arrays are refused by a sentence."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from stickslip.formats.matrices.model import MatrixModel
 from stickslip.structure.superelement import Superelement
 
 
-def arrays(**changed):
+def arrays(**changed: Any) -> dict[str, Any]:
     """The arrays of a file with two nodes, in the order 9, 4, and a mode."""
     rows = np.array([9, 9, 9, 4, 4, 4, -1])
     good = {
@@ -26,7 +27,7 @@ def arrays(**changed):
     return {name: value for name, value in (good | changed).items() if value is not None}
 
 
-def test_what_is_written_comes_back(tmp_path, small):
+def test_what_is_written_comes_back(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     element = Superelement(
         mass=small[1][:8, :8],
         stiffness=small[0][:8, :8],
@@ -71,7 +72,7 @@ def test_rows_in_any_order_come_out_node_by_node(tmp_path: Path) -> None:
         {"set_tip": np.array([5])},
     ],
 )
-def test_wrong_arrays(tmp_path, changed):
+def test_wrong_arrays(tmp_path: Path, changed: dict[str, Any]) -> None:
     path = tmp_path / "bad.npz"
     np.savez(path, **arrays(**changed))
     with rejects(ImportFileError):
@@ -94,7 +95,7 @@ def test_no_file_and_no_folder(tmp_path: Path) -> None:
         ({"boundary_nodes": np.array([1]), "node_sets": {"a": np.array([2])}}, ()),
     ],
 )
-def test_nodes_that_do_not_fit_a_superelement(options, keys):
+def test_nodes_that_do_not_fit_a_superelement(options: dict[str, Any], keys: tuple[str, ...]) -> None:
     with rejects(InputError, *keys):
         Superelement(np.eye(6), np.eye(6), **options)
 

@@ -1,7 +1,9 @@
 """Every kind of file gives the same model; wrong content is refused by a sentence with file and line or entry."""
 
 import importlib.util
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,17 +17,19 @@ from stickslip.core.errors import ImportFileError, InputError, MissingPackageErr
 from stickslip.formats.matrices.read import read_matrices
 
 
-def written(tmp_path, small, kind):
+def written(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], kind: str) -> tuple[Path, Path]:
     """Paths of stiffness and mass in one kind of file."""
     suffix, write = WRITERS[kind]
-    paths = [tmp_path / f"{name}{suffix}" for name in ("k", "m")]
+    paths = (tmp_path / f"k{suffix}", tmp_path / f"m{suffix}")
     for path, matrix in zip(paths, small[:2], strict=True):
         write(path, matrix)
     return paths
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_every_kind_of_file_gives_the_same_model(tmp_path, small, kind):
+def test_every_kind_of_file_gives_the_same_model(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], kind: str
+) -> None:
     (tmp_path / "map.csv").write_text(MAPS["map.csv"]())
     model = read_matrices(*written(tmp_path, small, kind), unknown_map=tmp_path / "map.csv")
     for actual, matrix in zip((model.stiffness, model.mass), small[:2], strict=True):
@@ -38,14 +42,18 @@ def test_every_kind_of_file_gives_the_same_model(tmp_path, small, kind):
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_every_kind_of_map_names_the_same_unknowns(tmp_path, small, name):
+def test_every_kind_of_map_names_the_same_unknowns(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], name: str
+) -> None:
     (tmp_path / name).write_text(MAPS[name]())
     model = read_matrices(*written(tmp_path, small, "npy"), unknown_map=tmp_path / name)
     np.testing.assert_array_equal(model.node, np.repeat(NODES, 3))
     np.testing.assert_array_equal(model.direction, np.tile([0, 1, 2], 12))
 
 
-def test_the_map_beside_the_matrix_is_found_and_without_one_unknowns_are_numbered(tmp_path, small):
+def test_the_map_beside_the_matrix_is_found_and_without_one_unknowns_are_numbered(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> None:
     paths = written(tmp_path, small, "CalculiX")
     bare = read_matrices(*paths)
     np.testing.assert_array_equal(bare.node, np.arange(36))
@@ -54,7 +62,9 @@ def test_the_map_beside_the_matrix_is_found_and_without_one_unknowns_are_numbere
     np.testing.assert_array_equal(read_matrices(*paths).node, np.repeat(NODES, 3))
 
 
-def test_names_in_one_file_units_and_positions(tmp_path, small):
+def test_names_in_one_file_units_and_positions(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> None:
     stiffness, mass, points = small
     path = tmp_path / "model.mat"
     # in mm, t, s: N/mm and t
@@ -66,7 +76,9 @@ def test_names_in_one_file_units_and_positions(tmp_path, small):
     np.testing.assert_allclose(model.stiffness.toarray(), stiffness, rtol=1e-12, atol=1e-3)
     np.testing.assert_allclose(model.mass.toarray(), mass, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(model.damping.toarray(), 1e-3 * stiffness, rtol=1e-12, atol=1e-6)
-    np.testing.assert_allclose(model.positions_of([12, 3]), points[[3, 0]])
+    positions = model.positions_of([12, 3])
+    assert positions is not None
+    np.testing.assert_allclose(positions, points[[3, 0]])
 
 
 def test_rotations_keep_their_energy_when_lengths_change_unit(tmp_path: Path) -> None:
@@ -102,7 +114,7 @@ BAD_CALCULIX = {
 
 
 @pytest.mark.parametrize("name", BAD_CALCULIX)
-def test_bad_storage_of_calculix(tmp_path, name):
+def test_bad_storage_of_calculix(tmp_path: Path, name: str) -> None:
     path = tmp_path / "bad.sti"
     path.write_text(BAD_CALCULIX[name])
     rejected(path, path)
@@ -123,24 +135,26 @@ BAD_MARKET = {
 
 
 @pytest.mark.parametrize("name", BAD_MARKET)
-def test_bad_matrix_market(tmp_path, name):
+def test_bad_matrix_market(tmp_path: Path, name: str) -> None:
     path = tmp_path / "bad.mtx"
     path.write_text(BAD_MARKET[name])
     rejected(path, path)
 
 
-def rejected(*arguments, keys=("stiffness",), **options):
+def rejected(*arguments: Any, keys: Sequence[str] = ("stiffness",), **options: Any) -> None:
     with rejects(ImportFileError, *keys):
         read_matrices(*arguments, **options)
 
 
-def test_a_mass_with_the_wrong_sign_names_the_file_of_the_mass(tmp_path, small):
+def test_a_mass_with_the_wrong_sign_names_the_file_of_the_mass(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> None:
     np.save(tmp_path / "k.npy", small[0])
     np.save(tmp_path / "m.npy", -small[1])
     rejected(tmp_path / "k.npy", tmp_path / "m.npy", keys=["mass"])
 
 
-def test_sizes_names_and_suffixes(tmp_path, small):
+def test_sizes_names_and_suffixes(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     for name, matrix in (("k.npy", small[0]), ("small.npy", np.eye(3)), ("line.npy", np.ones(3))):
         np.save(tmp_path / name, matrix)
     np.savez(tmp_path / "two.npz", one=small[0], two=small[1])
@@ -170,7 +184,9 @@ def test_sizes_names_and_suffixes(tmp_path, small):
         ("map.csv", "3, x\n" * 36, "stiffness"),
     ],
 )
-def test_bad_maps(tmp_path, small, name, text, key):
+def test_bad_maps(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], name: str, text: str, key: str
+) -> None:
     path = tmp_path / name
     path.write_text(text)
     with rejects(ImportFileError, key):
@@ -186,13 +202,13 @@ def test_bad_maps(tmp_path, small, name, text, key):
         "node, x, y, z\n",
     ],
 )
-def test_bad_node_positions(tmp_path, small, text):
+def test_bad_node_positions(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], text: str) -> None:
     path = tmp_path / "nodes.csv"
     path.write_text(text)
     rejected(*written(tmp_path, small, "npy"), keys=["node_positions"], node_positions=path)
 
 
-def test_bad_harwell_boeing(tmp_path, small):
+def test_bad_harwell_boeing(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     path = tmp_path / "k.matrix"
     write_harwell_boeing(path, small[0])
     lines = path.read_text().splitlines()
@@ -209,7 +225,7 @@ def test_bad_harwell_boeing(tmp_path, small):
     rejected(path, path)
 
 
-def test_bad_output4(tmp_path, small):
+def test_bad_output4(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     path = tmp_path / "k.op4"
     write_op4_text(path, small[0])
     lines = path.read_text().splitlines()
@@ -262,7 +278,9 @@ def test_full_file_of_ansys(tmp_path: Path) -> None:
     assert caught.value.keys == ("stiffness",)
 
 
-def test_both_triangles_of_calculix_coordinates_are_the_same_model(tmp_path, small):
+def test_both_triangles_of_calculix_coordinates_are_the_same_model(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> None:
     for upper in (True, False):
         lines = "".join(f"{i} {j} {value:.16e}\n" for i, j, value in coordinates(small[0], upper))
         (tmp_path / f"k{upper}.sti").write_text(lines)
@@ -273,7 +291,9 @@ def test_both_triangles_of_calculix_coordinates_are_the_same_model(tmp_path, sma
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_a_map_may_lack_its_last_line_end_but_nothing_else(tmp_path, small, name):
+def test_a_map_may_lack_its_last_line_end_but_nothing_else(
+    tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], name: str
+) -> None:
     whole = MAPS[name]().rstrip("\n")
     path, files = tmp_path / name, written(tmp_path, small, "npy")
     path.write_text(whole)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,13 +14,13 @@ from stickslip.core.errors import InputError
 from stickslip.formats.matrices.model import MatrixModel
 from stickslip.formats.matrices.reduce import reduce_matrices
 from stickslip.structure.craig_bampton import craig_bampton
-from stickslip.structure.elasticity import Material, assemble, natural_frequencies
+from stickslip.structure.elasticity import Material, Structure, assemble, natural_frequencies
 from stickslip.structure.floating_parts import require_contact_bodies, strainless_motions
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.superelement import Superelement
 
 
-def model_of(structure, labels=None):
+def model_of(structure: Structure, labels: np.ndarray | None = None) -> MatrixModel:
     """The matrices of one of our structures as another program would give them."""
     labels = np.arange(structure.mesh.n_nodes) if labels is None else labels
     return MatrixModel(
@@ -34,7 +35,7 @@ def model_of(structure, labels=None):
     )
 
 
-def test_the_same_superelement_as_from_our_structure(held_block):
+def test_the_same_superelement_as_from_our_structure(held_block: Structure) -> None:
     labels = 1000 - np.arange(45)
     actual = reduce_matrices(model_of(held_block, labels), labels[[40, 20]], 6)
     ours = craig_bampton(held_block, [40, 20], 6)
@@ -44,17 +45,25 @@ def test_the_same_superelement_as_from_our_structure(held_block):
     np.testing.assert_array_equal(actual.positions, held_block.mesh.points[[40, 20]])
     assert actual.node_sets["tip"].tolist() == [labels[40]]
     # damping 1e-7 K projects to 1e-7 of the reduced stiffness
+    assert actual.damping is not None
     np.testing.assert_allclose(actual.damping, 1e-7 * actual.stiffness, atol=1e-16 * np.abs(actual.stiffness).max())
     unit = np.eye(actual.size)
     whole = held_block.expand(actual.recovery @ unit)
     np.testing.assert_allclose(np.abs(whole), np.abs(ours.recovery @ unit), atol=1e-9)
 
 
-def test_a_small_model_is_taken_as_it_is(small):
+def test_a_small_model_is_taken_as_it_is(small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     stiffness, mass, points = small
-    rows = {"node": np.repeat(NODES, 3), "direction": np.tile([0, 1, 2], 12), "node_labels": NODES, "position": points}
+    rows: dict[str, Any] = {
+        "node": np.repeat(NODES, 3),
+        "direction": np.tile([0, 1, 2], 12),
+        "node_labels": NODES,
+        "position": points,
+    }
     order = np.random.default_rng(1).permutation(36)
-    mixed = {name: matrix[np.ix_(order, order)] for name, matrix in (("stiffness", stiffness), ("mass", mass))}
+    mixed: dict[str, Any] = {
+        name: matrix[np.ix_(order, order)] for name, matrix in (("stiffness", stiffness), ("mass", mass))
+    }
     rows |= {"node": rows["node"][order], "direction": rows["direction"][order]}
     actual = reduce_matrices(MatrixModel(**mixed, **rows), NODES[:3], 30)
     assert actual.size == 36
@@ -71,7 +80,7 @@ def test_strainless_motions_are_the_same_for_dense_and_sparse(make_block: Callab
     assert strainless_motions(free[30:][:, 30:]).shape[1] == 0
 
 
-def two_blocks(make_block, shared=0):
+def two_blocks(make_block: Callable[..., Mesh], shared: int = 0) -> tuple[MatrixModel, int]:
     """A free block beside another one: apart, or joined at the nodes (2: an edge) they share."""
     one = assemble(make_block((3, 2, 2), (3.0, 1.0, 1.0)), Material())
     n = one.mesh.n_nodes
@@ -89,8 +98,10 @@ def two_blocks(make_block, shared=0):
     used = np.flatnonzero(matrices[0].diagonal())
     points = np.vstack([one.mesh.points, one.mesh.points + np.array([3.0, 0.0, 0.0])])
     labels = np.arange(2 * n) + 1
+    stiffness, mass = (matrix[used][:, used] for matrix in matrices)
     return MatrixModel(
-        *(matrix[used][:, used] for matrix in matrices),
+        stiffness,
+        mass,
         node=labels[used // 3],
         direction=used % 3,
         node_labels=labels,
@@ -98,7 +109,7 @@ def two_blocks(make_block, shared=0):
     ), n
 
 
-def corners(n, *blocks):
+def corners(n: int, *blocks: int) -> np.ndarray:
     """Three nodes of each block that are not in one line (labels)."""
     return np.concatenate([np.array([3, 9, n]) + block * n for block in blocks])
 
@@ -125,7 +136,7 @@ def test_one_contact_node_does_not_support_a_body(make_block: Callable[..., Mesh
 
 
 @pytest.mark.parametrize("n_modes", [4, 1000])
-def test_a_hinge_is_a_mechanism(make_block, n_modes):
+def test_a_hinge_is_a_mechanism(make_block: Callable[..., Mesh], n_modes: int) -> None:
     model, n = two_blocks(make_block, shared=2)
     nodes = np.concatenate([corners(n, 0), np.array([5, 9, n]) + n])
     with rejects(InputError):
@@ -134,12 +145,13 @@ def test_a_hinge_is_a_mechanism(make_block, n_modes):
 
 def test_positions_of_another_model_do_not_explain_rigid_motions(make_block: Callable[..., Mesh]) -> None:
     model, n = two_blocks(make_block)
+    assert model.position is not None
     wrong = replace(model, position=model.position * [5.0, 1.0, 1.0])
     with rejects(InputError):
         reduce_matrices(wrong, corners(n, 0, 1), 4)
 
 
-def test_contact_bodies_of_a_superelement(small):
+def test_contact_bodies_of_a_superelement(small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     stiffness, mass, points = small
     element = Superelement(mass, stiffness, boundary_nodes=NODES, positions=points)
     require_contact_bodies(element, NODES[:4])
@@ -149,6 +161,6 @@ def test_contact_bodies_of_a_superelement(small):
     require_contact_bodies(held, np.array([999]))
 
 
-def test_without_a_map_nothing_can_be_kept(small):
+def test_without_a_map_nothing_can_be_kept(small: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     with rejects(InputError):
         reduce_matrices(MatrixModel(*small[:2]), [3], 4)

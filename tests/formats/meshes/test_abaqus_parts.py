@@ -7,6 +7,8 @@ import pytest
 
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
+from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
 from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies
 from stickslip.structure.model_facts import body_volumes
@@ -66,12 +68,12 @@ Ends, 1, 0.5
 
 
 @pytest.fixture
-def flat(tmp_path):
+def flat(tmp_path: Path) -> ImportedModel:
     (tmp_path / "flat.inp").write_text(FLAT, encoding="utf-8")
     return read_model(tmp_path / "flat.inp", "mm")
 
 
-def changed(tmp_path, *changes):
+def changed(tmp_path: Path, *changes: tuple[str, str]) -> Path:
     """The deck of the data folder with replaced texts."""
     text = DECK.read_text(encoding="utf-8")
     for old, new in changes:
@@ -81,13 +83,13 @@ def changed(tmp_path, *changes):
     return tmp_path / "deck.inp"
 
 
-def frequencies(model):
+def frequencies(model: ImportedModel) -> FloatArray:
     materials = [model.materials[name] for name in model.mesh.body_names]
     structure = assemble_bodies(model.mesh, materials, fixed_unknowns=model.fixed_unknowns)
     return natural_frequencies(structure.stiffness, structure.mass, 12)[0]
 
 
-def test_the_model_is_that_of_the_flat_deck(flat):
+def test_the_model_is_that_of_the_flat_deck(flat: ImportedModel) -> None:
     model = read_model(DECK, "mm")
     np.testing.assert_allclose(model.mesh.points, flat.mesh.points, rtol=0.0, atol=1e-15)
     np.testing.assert_array_equal(model.node_labels, flat.node_labels)
@@ -342,7 +344,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("old", "new"), WRONG.values(), ids=WRONG.keys())
-def test_what_is_wrong_is_reported_with_file_and_line(tmp_path, old, new):
+def test_what_is_wrong_is_reported_with_file_and_line(tmp_path: Path, old: str, new: str) -> None:
     path = changed(tmp_path, (old, new))
     with rejects(ImportFileError):
         read_model(path, "mm")
@@ -358,7 +360,7 @@ def test_what_is_wrong_is_reported_with_file_and_line(tmp_path, old, new):
         "*Assembly, name=A\n*End Assembly\n",
     ],
 )
-def test_a_deck_that_ends_early(tmp_path, end):
+def test_a_deck_that_ends_early(tmp_path: Path, end: str) -> None:
     (tmp_path / "deck.inp").write_text(end, encoding="utf-8")
     with rejects(ImportFileError):
         read_model(tmp_path / "deck.inp", "mm")

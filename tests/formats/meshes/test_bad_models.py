@@ -13,7 +13,7 @@ from stickslip.formats.meshes.unit_systems import UNIT_SYSTEMS, find_unit_system
 MODELS = Path(__file__).parents[2] / "data" / "models"
 
 
-def changed(tmp_path, name, old, new, count=1):
+def changed(tmp_path: Path, name: str, old: str, new: str, count: int = 1) -> Path:
     text = (MODELS / name).read_text(encoding="utf-8")
     assert old in text, "the file of the test has changed"
     path = tmp_path / name
@@ -75,7 +75,7 @@ ABAQUS = [
 
 
 @pytest.mark.parametrize(("old", "new"), ABAQUS)
-def test_abaqus_decks(tmp_path, old, new):
+def test_abaqus_decks(tmp_path: Path, old: str, new: str) -> None:
     with rejects(ImportFileError):
         read_model(changed(tmp_path, "cubes.inp", old, new), "mm")
 
@@ -95,7 +95,7 @@ NASTRAN = [
 
 
 @pytest.mark.parametrize(("old", "new"), NASTRAN)
-def test_nastran(tmp_path, old, new):
+def test_nastran(tmp_path: Path, old: str, new: str) -> None:
     with rejects(ImportFileError):
         read_model(changed(tmp_path, "cubes.bdf", old, new), "mm")
 
@@ -147,7 +147,7 @@ def test_odd_units_are_warned_of() -> None:
         ("in-lbf-s", 6894.757, None, 4.448222),
     ],
 )
-def test_unit_systems(name, pressure, density, force):
+def test_unit_systems(name: str, pressure: float, density: float | None, force: float) -> None:
     system = UNIT_SYSTEMS[name]
     assert system.pressure == pytest.approx(pressure, rel=1e-6)
     assert system.force == pytest.approx(force, rel=1e-6)

@@ -1,9 +1,12 @@
 """Tetrahedra and wedges through each format, and the two-blade mesh written and read back with equal frequencies."""
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,14 +15,16 @@ from calculix import COARSE, cut_bricks
 from model_writers import STEEL_MM, write_bdf, write_inp, write_meshio, write_parts
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
+from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.read import read_model
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.structure.elasticity import Material, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.model_facts import body_volumes
 
 STEEL = Material(1e6 * STEEL_MM[0], STEEL_MM[1], 1e12 * STEEL_MM[2])
-WRITERS = {
+WRITERS: dict[str, tuple[str, Callable[..., None], bool]] = {
     "inp": ("model.inp", write_inp, True),
     "inp with parts": ("model.inp", write_parts, True),
     "bdf": ("model.bdf", partial(write_bdf, large=True), True),
@@ -31,7 +36,7 @@ WRITERS = {
 KINDS = ("tetra", "tetra10", "wedge", "wedge15")
 
 
-def block_of(kind, make_block):
+def block_of(kind: str, make_block: Callable[..., Mesh]) -> Mesh:
     """A distorted block of 2 x 2 x 1 bricks cut into tetrahedra or wedges, with its lower and upper face."""
     bricks = make_block((2, 2, 1), (0.06, 0.03, 0.01), 0.1)
     grid = np.arange(bricks.n_nodes).reshape(3, 3, 2)
@@ -39,7 +44,7 @@ def block_of(kind, make_block):
     return cut_bricks(bricks, kind)
 
 
-def frequencies(mesh, count, fixed):
+def frequencies(mesh: Mesh, count: int, fixed: np.ndarray) -> FloatArray:
     structure = assemble_bodies(mesh, [STEEL] * len(mesh.body_names), fixed_nodes=fixed)
     return natural_frequencies(structure.stiffness, structure.mass, count)[0]
 
@@ -47,7 +52,7 @@ def frequencies(mesh, count, fixed):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("form", WRITERS)
-def test_tetrahedra_and_wedges_come_back(tmp_path, make_block, kind, form):
+def test_tetrahedra_and_wedges_come_back(tmp_path: Path, make_block: Callable[..., Mesh], kind: str, form: str) -> None:
     mesh = block_of(kind, make_block)
     file, write, holds = WRITERS[form]
     arguments = (tmp_path / file, mesh, ["left"], ["contact"])
@@ -67,7 +72,7 @@ def test_tetrahedra_and_wedges_come_back(tmp_path, make_block, kind, form):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("form", WRITERS)
-def test_the_two_blades_come_back(tmp_path, form):
+def test_the_two_blades_come_back(tmp_path: Path, form: str) -> None:
     mesh = blade_pair_mesh(elements=COARSE)
     file, write, holds = WRITERS[form]
     bodies, faces = ["left", "right", "damper"], ["damper_left_face", "left_face"]
@@ -82,10 +87,11 @@ def test_the_two_blades_come_back(tmp_path, form):
     assert found_hz[5] < 1e-2 * found_hz[6]
 
 
-def two_bricks(make_block, fault):
+def two_bricks(make_block: Callable[..., Mesh], fault: str) -> Any:
     """Two bricks side by side, base and contact at their ends, with one fault."""
     bricks = make_block((2, 1, 1), (0.02, 0.01, 0.01))
-    cells, points = bricks.cells.copy(), bricks.points
+    (block,) = bricks.blocks
+    cells, points = block.cells.copy(), bricks.points
     if fault == "inverted":
         cells[1] = cells[1][[0, 3, 2, 1, 4, 7, 6, 5]]
     elif fault == "duplicated":
@@ -116,7 +122,9 @@ FAULTS = {
 
 @pytest.mark.parametrize("fault", FAULTS)
 @pytest.mark.parametrize("form", WRITERS)
-def test_faults_of_elements_are_found_in_every_format(tmp_path, make_block, form, fault):
+def test_faults_of_elements_are_found_in_every_format(
+    tmp_path: Path, make_block: Callable[..., Mesh], form: str, fault: str
+) -> None:
     file, write, holds = WRITERS[form]
     path = tmp_path / file
     write(path, two_bricks(make_block, fault), ["lower"], ["contact"], *(("base",) if holds else ()))

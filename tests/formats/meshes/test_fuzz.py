@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ class TooSlow(BaseException):
 
 @contextmanager
 def time_limit() -> Iterator[None]:
-    def stop(*_):
+    def stop(*_: object) -> NoReturn:
         raise TooSlow(f"reading took longer than {LONGEST} s")
 
     before = signal.signal(signal.SIGALRM, stop)
@@ -66,7 +67,7 @@ def require_sentence_or_model(path: Path, content: bytes, **included: bytes) -> 
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("damaged")
 
 
@@ -97,7 +98,7 @@ def damaged(content: bytes, seed: int) -> bytes:
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_the_sound_file_is_read(name):
+def test_the_sound_file_is_read(name: str) -> None:
     model = read_model(MODELS / name, "mm")
     volumes = 1e9 * body_volumes(model.mesh)
     np.testing.assert_allclose(volumes, [1000.0, 500.0] if "gmsh" in name else [1000.0, 1000.0], rtol=1e-9)
@@ -107,7 +108,7 @@ def test_the_sound_file_is_read(name):
 @pytest.mark.parametrize("name", FILES)
 @settings(max_examples=60, derandomize=True, deadline=None, database=None)
 @given(seed=st.integers(0, 2**32))
-def test_damaged_files(folder, name, seed):
+def test_damaged_files(folder: Path, name: str, seed: int) -> None:
     content = (MODELS / name).read_bytes()
     require_sentence_or_model(folder / name, damaged(content, seed))
 
@@ -146,7 +147,7 @@ def write_deck(folder: Path, files: dict[str, bytes]) -> Path:
     return folder / "deck.bdf"
 
 
-def test_the_sound_deck_in_files_is_read(folder):
+def test_the_sound_deck_in_files_is_read(folder: Path) -> None:
     model = read_model(write_deck(folder, deck_in_files()), "mm")
     np.testing.assert_allclose(1e9 * body_volumes(model.mesh), [1000.0, 1000.0], rtol=1e-9)
     np.testing.assert_allclose(model.node_forces[15], [-6.0, 2.0, 8.0], atol=1e-14)
@@ -157,7 +158,7 @@ def test_the_sound_deck_in_files_is_read(folder):
 @pytest.mark.parametrize("stem", deck_in_files())
 @settings(max_examples=100, derandomize=True, deadline=None, database=None)
 @given(seed=st.integers(0, 2**32))
-def test_damaged_decks_in_files(folder, stem, seed):
+def test_damaged_decks_in_files(folder: Path, stem: str, seed: int) -> None:
     files = deck_in_files()
     files[stem] = damaged(files[stem], seed)
     require_sentence_or_model(folder / "deck.bdf", files.pop("deck"), **files)
@@ -165,7 +166,7 @@ def test_damaged_decks_in_files(folder, stem, seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stem", [name for name in deck_in_files() if name != "deck"])
-def test_included_rubbish_is_reported_or_harmless(folder, stem):
+def test_included_rubbish_is_reported_or_harmless(folder: Path, stem: str) -> None:
     sound = deck_in_files()
     whole = sound[stem]
     cuts = [whole[:length] for length in range(0, len(whole), 7)]
@@ -181,7 +182,7 @@ def test_included_rubbish_is_reported_or_harmless(folder, stem):
 
 
 @pytest.mark.parametrize("suffix", sorted({Path(name).suffix for name in FILES}))
-def test_rubbish(folder, suffix):
+def test_rubbish(folder: Path, suffix: str) -> None:
     path = folder / f"rubbish{suffix}"
     for content in (b"", b"\n\n", b"\0", b"hello\n", bytes(range(256)) * 20, random.Random(1).randbytes(3000)):
         path.write_bytes(content)

@@ -1,5 +1,6 @@
 """What Gmsh itself writes beyond the common case is read, or refused with the option that helps."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,12 +11,13 @@ from model_writers import write_meshio
 from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
+from stickslip.structure.mesh import Mesh
 
 MODELS = Path(__file__).parents[2] / "data" / "models"
 PLAIN = MODELS / "gmsh_4.1_text.msh"
 
 
-def changed(folder, old, new, name="gmsh_4.1_text.msh"):
+def changed(folder: Path, old: bytes, new: bytes, name: str = "gmsh_4.1_text.msh") -> Path:
     content = (MODELS / name).read_bytes()
     assert content.count(old) >= 1
     path = folder / "changed.msh"
@@ -23,7 +25,7 @@ def changed(folder, old, new, name="gmsh_4.1_text.msh"):
     return path
 
 
-def require_same_model(path, reference=PLAIN):
+def require_same_model(path: Path, reference: Path = PLAIN) -> None:
     plain, model = (read_model(each, "mm") for each in (reference, path))
     assert model.mesh.body_names == plain.mesh.body_names
     assert {k: sum(map(len, v)) for k, v in model.mesh.face_sets.items()} == {
@@ -36,12 +38,12 @@ def require_same_model(path, reference=PLAIN):
 
 
 @pytest.mark.parametrize("name", ["gmsh_4.1_all_text.msh", "gmsh_4.1_all_binary.msh"])
-def test_entities_without_a_group(name):
+def test_entities_without_a_group(name: str) -> None:
     require_same_model(MODELS / name)
 
 
 @pytest.mark.parametrize("quadratic", [False, True])
-def test_version_1(tmp_path, make_block, quadratic):
+def test_version_1(tmp_path: Path, make_block: Callable[..., Mesh], quadratic: bool) -> None:
     """The same bricks as in version 2.2; version 1 has numbers of groups in place of names."""
     mesh = make_block((3, 2, 1), (0.06, 0.03, 0.01), 0.1)
     mesh = replace(mesh, node_sets={"base": np.arange(24).reshape(4, 3, 2)[:, :, 0].ravel()})
@@ -58,7 +60,7 @@ def test_version_1(tmp_path, make_block, quadratic):
 @pytest.mark.parametrize(
     ("old", "new"), [("$ENDNOD", "$ENDNODES"), ("$ENDELM", ""), (" 8 1 ", " 9 1 "), (" 8 1 ", " eight 1 ")]
 )
-def test_damaged_version_1(tmp_path, make_block, old, new):
+def test_damaged_version_1(tmp_path: Path, make_block: Callable[..., Mesh], old: str, new: str) -> None:
     mesh = make_block((1, 1, 1), (0.06, 0.03, 0.01), 0.0)
     write_meshio(tmp_path / "old.msh", mesh, ["block"], [], "gmsh1")
     text = (tmp_path / "old.msh").read_text(encoding="utf-8")
@@ -79,7 +81,7 @@ def test_version_4_0(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["gmsh_4.1_text.msh", "gmsh_4.1_binary.msh", "gmsh_2.2_text.msh"])
-def test_comments_before_the_header(tmp_path, name):
+def test_comments_before_the_header(tmp_path: Path, name: str) -> None:
     comments = b"$Comments\nmade by hand\n$EndComments\n" * 2
     require_same_model(changed(tmp_path, b"$MeshFormat", comments + b"$MeshFormat", name), MODELS / name)
 

@@ -1,7 +1,9 @@
 """What decks may include: from below their folder, not without end, and without showing what foreign files hold."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from bombs import flat_memory
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes import included_files, raw_model
+from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
 
 MODELS = Path(__file__).parents[2] / "data" / "models"
@@ -18,10 +21,10 @@ FORMATS = {"inp": "*INCLUDE, INPUT={}\n", "bdf": "INCLUDE '{}'\n"}
 
 
 @pytest.fixture
-def deck(tmp_path):
+def deck(tmp_path: Path) -> Callable[[str, object], Path]:
     """A deck of a format that first includes a file, and a folder beside its own that holds a secret."""
 
-    def write(ending, included):
+    def write(ending: str, included: object) -> Path:
         folder = tmp_path / "deck"
         folder.mkdir(exist_ok=True)
         path = folder / f"deck.{ending}"
@@ -36,7 +39,9 @@ def deck(tmp_path):
 
 @pytest.mark.parametrize("ending", FORMATS)
 @pytest.mark.parametrize("how", ["absolute", "above", "link", "absent"])
-def test_files_outside_of_the_folder_are_rejected(deck, tmp_path, ending, how):
+def test_files_outside_of_the_folder_are_rejected(
+    deck: Callable[[str, object], Path], tmp_path: Path, ending: str, how: str
+) -> None:
     secret = tmp_path / "beside" / "secret"
     names = {"absolute": secret, "above": "../beside/secret", "link": "inner", "absent": "../beside/nothing"}
     path = deck(ending, names[how])
@@ -47,7 +52,9 @@ def test_files_outside_of_the_folder_are_rejected(deck, tmp_path, ending, how):
 
 
 @pytest.mark.parametrize("ending", FORMATS)
-def test_absolute_names_and_names_above_are_read_below_the_folder(deck, tmp_path, ending):
+def test_absolute_names_and_names_above_are_read_below_the_folder(
+    deck: Callable[[str, object], Path], tmp_path: Path, ending: str
+) -> None:
     comment = {"inp": "** a comment\n*HEADING\n", "bdf": "$ a comment\n"}[ending]
     for name in (tmp_path / "deck" / "part", "../deck/part", "inner/../part"):
         path = deck(ending, name)
@@ -57,7 +64,9 @@ def test_absolute_names_and_names_above_are_read_below_the_folder(deck, tmp_path
 
 
 @pytest.mark.parametrize("ending", FORMATS)
-def test_what_a_foreign_file_contains_is_not_shown_where_it_is_allowed(deck, ending):
+def test_what_a_foreign_file_contains_is_not_shown_where_it_is_allowed(
+    deck: Callable[[str, object], Path], ending: str
+) -> None:
     path = deck(ending, "../beside/secret")
     try:
         printed = " ".join(read_model(path, "mm", includes_outside=True).messages)
@@ -69,7 +78,7 @@ def test_what_a_foreign_file_contains_is_not_shown_where_it_is_allowed(deck, end
 
 
 @pytest.mark.parametrize("ending", FORMATS)
-def test_allowed_files_are_read(deck, tmp_path, ending):
+def test_allowed_files_are_read(deck: Callable[[str, object], Path], tmp_path: Path, ending: str) -> None:
     part = tmp_path / "beside" / "part"
     part.write_text({"inp": "*NSET, NSET=more\n", "bdf": "SET1,77,1,2\n"}[ending])
     text = (MODELS / f"cubes.{ending}").read_text(encoding="utf-8")
@@ -85,7 +94,9 @@ def test_allowed_files_are_read(deck, tmp_path, ending):
 
 
 @pytest.mark.parametrize("ending", FORMATS)
-def test_a_fan_of_files_ends_early(deck, monkeypatch, ending):
+def test_a_fan_of_files_ends_early(
+    deck: Callable[[str, object], Path], monkeypatch: pytest.MonkeyPatch, ending: str
+) -> None:
     """30 includes in each of five levels: 24 million files."""
     read = []
     whole = included_files.read_text  # type: ignore[attr-defined]
@@ -101,7 +112,9 @@ def test_a_fan_of_files_ends_early(deck, monkeypatch, ending):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ending", FORMATS)
-def test_the_number_and_the_size_of_all_files_have_limits(deck, monkeypatch, ending):
+def test_the_number_and_the_size_of_all_files_have_limits(
+    deck: Callable[[str, object], Path], monkeypatch: pytest.MonkeyPatch, ending: str
+) -> None:
     path = deck(ending, "part")
     line = {"inp": "** comment\n*HEADING\n", "bdf": "$ comment\n"}[ending]
     (path.parent / "part").write_text("".join(FORMATS[ending].format(f"p{n}") for n in range(1001)))
@@ -114,7 +127,7 @@ def test_the_number_and_the_size_of_all_files_have_limits(deck, monkeypatch, end
         read_model(path, "mm")
 
 
-def many_lines(count):
+def many_lines(count: int) -> str:
     """A row of bricks with a constraint, a force and a side of a surface for each in lines of their own."""
     rows = range(count + 1)
     corners = [(x, y, z) for x in rows for y, z in ((0, 0), (1, 0), (1, 1), (0, 1))]
@@ -131,12 +144,12 @@ def many_lines(count):
     )
 
 
-def sorted_numbers(monkeypatch, path):
+def sorted_numbers(monkeypatch: pytest.MonkeyPatch, path: Path) -> tuple[int, ImportedModel]:
     """How many numbers go through the functions of NumPy that sort, while a model is read."""
     total = 0
 
-    def counted(function):
-        def call(*arguments, **options):
+    def counted(function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any, **options: Any) -> Any:
             nonlocal total
             total += sum(np.size(each) for each in arguments[:2])
             return function(*arguments, **options)
@@ -194,7 +207,7 @@ def test_a_keyword_that_continues_without_end(tmp_path: Path) -> None:
     assert read_model(path, "mm").mesh.n_nodes == 16
 
 
-def test_a_pipe_in_a_deck(deck, tmp_path):
+def test_a_pipe_in_a_deck(deck: Callable[[str, object], Path], tmp_path: Path) -> None:
     if not hasattr(os, "mkfifo"):
         pytest.skip("this system has no named pipes")
     for ending in FORMATS:

@@ -7,13 +7,14 @@ import pytest
 
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
+from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
 
 CUBES = Path(__file__).parents[2] / "data" / "models" / "cubes.bdf"
 GRID = "GRID,2,,10,0,0\n"
 
 
-def cubes(tmp_path, cards="", case="SPC = 1", **changes):
+def cubes(tmp_path: Path, cards: str = "", case: str = "SPC = 1", **changes: str) -> ImportedModel:
     """The two cubes with more bulk data, another case control, and GRID 2 as given."""
     text = CUBES.read_text(encoding="utf-8").replace("SPC = 1", case).replace("ENDDATA", cards + "\nENDDATA")
     assert GRID in text
@@ -60,7 +61,7 @@ def test_combined_loads_have_their_factors(tmp_path: Path) -> None:
         ("BEGIN SUPER=1", "SPC = 1"),
     ],
 )
-def test_what_cannot_be_resolved_is_rejected(tmp_path, cards, case):
+def test_what_cannot_be_resolved_is_rejected(tmp_path: Path, cards: str, case: str) -> None:
     with rejects(ImportFileError):
         cubes(tmp_path, cards, case)
 
@@ -92,7 +93,7 @@ def test_a_grid_in_a_turned_system(tmp_path: Path) -> None:
         "CORD3R,4,1,2,3",
     ],
 )
-def test_systems_that_give_no_axes(tmp_path, system):
+def test_systems_that_give_no_axes(tmp_path: Path, system: str) -> None:
     with rejects(ImportFileError):
         cubes(tmp_path, system, grid="GRID,2,4,0.,0.,0.\n")
 

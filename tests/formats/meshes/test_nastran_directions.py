@@ -1,12 +1,14 @@
 """Nastran: forces (CID) and constraints (CD) in directions of cylindrical, spherical and turned systems."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
+from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
 from stickslip.structure.constraints import eliminate
 
@@ -18,7 +20,9 @@ TURNED = "CORD2R,5,,0.,0.,0.,0.,0.,1.,+\n+,1.,{},0.\n"
 OWN_SPC = "SPC1,1,123,1\nSPC1,1,123,2\nSPC1,1,123,3\nSPC1,1,123,4\n"
 
 
-def cubes(tmp_path, cards="", grids=None, constraints=OWN_SPC):
+def cubes(
+    tmp_path: Path, cards: str = "", grids: dict[int, Any] | None = None, constraints: str = OWN_SPC
+) -> ImportedModel:
     """The two cubes with more cards, CD of some grids (in lines 5 to 20) by label, and other constraints."""
     text = CUBES.replace(OWN_SPC, constraints).replace("ENDDATA", f"{cards}ENDDATA")
     assert constraints in text
@@ -46,7 +50,9 @@ def cubes(tmp_path, cards="", grids=None, constraints=OWN_SPC):
         (PERMUTED, 1, "2.,1.,3.,4.", (8.0, 2.0, 6.0)),
     ],
 )
-def test_forces_in_a_system(tmp_path, system, label, force, wanted):
+def test_forces_in_a_system(
+    tmp_path: Path, system: str, label: int, force: str, wanted: tuple[float, float, float]
+) -> None:
     model = cubes(tmp_path, f"FORCE,3,{label},5,{force}\n{system}")
     np.testing.assert_allclose(model.node_forces[label - 1], wanted, atol=1e-14)
     assert np.count_nonzero(np.abs(model.node_forces).sum(axis=1)) == 1
@@ -66,7 +72,7 @@ def test_forces_in_a_system(tmp_path, system, label, force, wanted):
         f"FORCE,3,99,5,1.,1.\nGRID,99,5,1+308,45.,0.\n{SPHERE}",
     ],
 )
-def test_forces_that_have_no_direction(tmp_path, cards):
+def test_forces_that_have_no_direction(tmp_path: Path, cards: str) -> None:
     with rejects(ImportFileError):
         cubes(tmp_path, cards)
 
@@ -94,7 +100,9 @@ def test_forces_that_have_no_direction(tmp_path, cards):
         (TURNED.format(0.3), {3: 5}, "SPC1,2,1,3\nSPC1,1,1,2\n", [3]),
     ],
 )
-def test_constraints_along_basic_directions(tmp_path, system, grids, constraints, held):
+def test_constraints_along_basic_directions(
+    tmp_path: Path, system: str, grids: dict[int, Any], constraints: str, held: list[int]
+) -> None:
     model = cubes(tmp_path, system, grids, constraints)
     assert model.fixed_unknowns.tolist() == held
     printed_sentence("\n".join(model.messages), f"{len(grids)} grids", "(CD)")
@@ -110,7 +118,9 @@ def test_constraints_along_basic_directions(tmp_path, system, grids, constraints
         ("", {16: "x"}, "SPC1,1,1,3\n"),
     ],
 )
-def test_constraints_in_other_directions_are_rejected(tmp_path, system, grids, constraints):
+def test_constraints_in_other_directions_are_rejected(
+    tmp_path: Path, system: str, grids: dict[int, Any], constraints: str
+) -> None:
     with rejects(ImportFileError):
         cubes(tmp_path, system, grids, constraints)
 
@@ -126,11 +136,14 @@ def test_constraints_in_other_directions_are_rejected(tmp_path, system, grids, c
         ("GRDSET,,,,,,5\n" + CYLINDER, {}, "SPC1,1,1,3\n", 2, [[1, 1, 0]]),
     ],
 )
-def test_constraints_in_other_directions_become_equations(tmp_path, system, grids, constraints, node, rows):
+def test_constraints_in_other_directions_become_equations(
+    tmp_path: Path, system: str, grids: dict[int, Any], constraints: str, node: int, rows: list[list[float]]
+) -> None:
     model = cubes(tmp_path, system, grids, constraints)
+    assert model.equations is not None
     tied = eliminate(model.equations, model.fixed_unknowns).transformation[3 * node : 3 * node + 3].toarray()
-    rows = np.array(rows) / np.linalg.norm(rows, axis=1)[:, None]
-    np.testing.assert_allclose(rows @ tied, 0.0, atol=1e-12)
+    wanted = np.array(rows) / np.linalg.norm(rows, axis=1)[:, None]
+    np.testing.assert_allclose(wanted @ tied, 0.0, atol=1e-12)
     assert np.linalg.matrix_rank(tied) == 3 - len(rows)
 
 

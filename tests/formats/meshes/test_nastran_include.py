@@ -16,7 +16,7 @@ GRIDS = "".join(line for line in CUBES.splitlines(keepends=True) if line.startsw
 REST = CUBES.split("BEGIN BULK\n")[1].replace(GRIDS, "").replace("ENDDATA\n", "")
 
 
-def write(folder, **files):
+def write(folder: Path, **files: str) -> Path:
     """Files by their stem; two underscores stand for a folder."""
     for name, text in files.items():
         path = folder / f"{name.replace('__', '/')}.bdf"
@@ -25,7 +25,7 @@ def write(folder, **files):
     return folder / "deck.bdf"
 
 
-def same_as_in_one_file(path):
+def same_as_in_one_file(path: Path) -> None:
     whole = path.parent / "whole.bdf"
     whole.write_text(CUBES, encoding="utf-8")
     actual, wanted = read_model(path, "mm"), read_model(whole, "mm")
@@ -46,7 +46,7 @@ def same_as_in_one_file(path):
         "INCLUDE 'parts/   \n        gri\n   ds.bdf'   $ in three lines",
     ],
 )
-def test_every_way_to_write_the_statement(tmp_path, statement):
+def test_every_way_to_write_the_statement(tmp_path: Path, statement: str) -> None:
     deck = (
         f"SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n$ INCLUDE 'comment.bdf'\n{statement}\n{REST}ENDDATA\nINCLUDE 'no.bdf'\n"
     )
@@ -126,7 +126,7 @@ HEAD = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n"
         {"deck": f"{HEAD}INCLUDE a.bdf\n{REST}", "a": "+,1,2\n"},
     ],
 )
-def test_what_is_wrong_is_reported_with_its_file_and_line(tmp_path, files):
+def test_what_is_wrong_is_reported_with_its_file_and_line(tmp_path: Path, files: dict[str, str]) -> None:
     path = write(tmp_path, **files)
     with rejects(ImportFileError):
         read_model(path, "mm")

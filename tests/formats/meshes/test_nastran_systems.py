@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from model_writers import write_bdf
 from sentences import rejects
 from stickslip.core.errors import ImportFileError
+from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.nastran_frames import BASIC, Frame
 from stickslip.formats.meshes.read import read_model, read_raw
 from stickslip.structure.elasticity import assemble_bodies, natural_frequencies
@@ -25,7 +27,7 @@ NESTED = "CORD2R,6,5,2.,90.,5.,2.,90.,6.,+\n+,3.,90.,5.\n"
 BY_GRIDS = "CORD1{},7,20,21,22\nGRID,20,5,2.,90.,5.\nGRID,21,,-1.,5.,8.\nGRID,22,0,-1.,2.,10.\n" + CYLINDER
 
 
-def places(tmp_path, text):
+def places(tmp_path: Path, text: str) -> dict[int, FloatArray]:
     """Basic coordinates by label of a deck of grids."""
     path = tmp_path / "deck.bdf"
     path.write_text(text, encoding="utf-8")
@@ -58,7 +60,7 @@ def places(tmp_path, text):
         ),
     ],
 )
-def test_places_by_hand(tmp_path, systems, given, wanted):
+def test_places_by_hand(tmp_path: Path, systems: str, given: str, wanted: tuple[float, float, float]) -> None:
     for text in (f"{systems}GRID,1,{given}\n", f"GRID,1,{given}\n{systems}"):
         np.testing.assert_allclose(places(tmp_path, text)[1], wanted, atol=1e-14)
 
@@ -83,8 +85,11 @@ def test_a_long_chain_of_systems(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["rectangular", "cylindrical", "spherical"])
-def test_directions_are_those_in_which_the_coordinates_grow(kind):
+def test_directions_are_those_in_which_the_coordinates_grow(
+    kind: Literal["rectangular", "cylindrical", "spherical"],
+) -> None:
     frame = Frame.through(kind, np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [4.0, -1.0, 2.0]]))
+    assert frame is not None
     for values in ([2.0, 40.0, 70.0], [3.0, 130.0, -100.0]):
         place = frame.basic(np.array([values]))[0]
         steps = np.vstack([values + 1e-3 * np.eye(3), values - 1e-3 * np.eye(3)])
@@ -122,7 +127,7 @@ def test_directions_are_those_in_which_the_coordinates_grow(kind):
         "CORD2R,5,,a,0.,0.,2.,0.,1.,+\n+,1.\n",
     ],
 )
-def test_systems_that_are_wrong(tmp_path, text):
+def test_systems_that_are_wrong(tmp_path: Path, text: str) -> None:
     with rejects(ImportFileError):
         places(tmp_path, text)
 

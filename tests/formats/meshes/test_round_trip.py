@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from universal_writer import write_unv
 
 STEEL = Material(1e6 * STEEL_MM[0], STEEL_MM[1], 1e12 * STEEL_MM[2])
 BODIES = ["lower", "upper"]
-WRITERS = {
+WRITERS: dict[str, tuple[str, Callable[..., None], tuple[Any, ...]]] = {
     "inp": ("model.inp", write_inp, ()),
     "inp with parts": ("model.inp", write_parts, ()),
     "small fields": ("model.bdf", write_bdf, (False,)),
@@ -32,10 +33,11 @@ WRITERS = {
 }
 
 
-def two_bodies(make_block, quadratic):
+def two_bodies(make_block: Callable[..., Mesh], quadratic: bool) -> Mesh:
     """Two blocks one above the other, with nodes of their own where they touch."""
     lower = make_block((3, 2, 1), (0.06, 0.03, 0.01), 0.1)
-    cells = np.vstack([lower.cells, lower.cells + lower.n_nodes])
+    (bricks,) = lower.blocks
+    cells = np.vstack([bricks.cells, bricks.cells + lower.n_nodes])
     points = np.vstack([lower.points, lower.points + np.array([0.0, 0.0, 0.02])])
     grid = np.arange(lower.n_nodes).reshape(4, 3, 2)
     sets = {
@@ -48,7 +50,7 @@ def two_bodies(make_block, quadratic):
     return in_order_of_bodies(mesh.quadratic()) if quadratic else mesh
 
 
-def in_order_of_bodies(mesh):
+def in_order_of_bodies(mesh: Mesh) -> Mesh:
     """The mesh with the nodes of the first body before those of the second, as a deck with parts has them."""
     order = np.concatenate([np.unique(mesh.cells[mesh.body == body]) for body in (0, 1)])
     number = np.argsort(order)
@@ -59,7 +61,7 @@ def in_order_of_bodies(mesh):
 @pytest.mark.slow
 @pytest.mark.parametrize("quadratic", [False, True], ids=["linear", "quadratic"])
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_model_comes_back(tmp_path, make_block, name, quadratic):
+def test_a_model_comes_back(tmp_path: Path, make_block: Callable[..., Mesh], name: str, quadratic: bool) -> None:
     mesh = two_bodies(make_block, quadratic)
     file, write, options = WRITERS[name]
     path = tmp_path / file
@@ -96,7 +98,7 @@ def test_a_model_comes_back(tmp_path, make_block, name, quadratic):
     assert frequency_hz[5] < 1e-2 * frequency_hz[6]
 
 
-def reference_volumes(mesh, quadratic):
+def reference_volumes(mesh: Mesh, quadratic: bool) -> list[float]:
     structure = assemble(mesh, STEEL, "serendipity" if quadratic else "incompatible", fixed_nodes=[])
     answer = []
     for body in (0, 1):

@@ -1,18 +1,22 @@
+from collections.abc import Callable
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from sentences import rejects
+from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
 from stickslip.model.kinds.two_blade_geometry import BladePairElements, BladePairGeometry
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.structure.elasticity import Material
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.shapes import consistent_mass
 
 
-def test_default_counts(blade_mesh):
+def test_default_counts(blade_mesh: Mesh) -> None:
     assert blade_mesh.n_nodes == 5005
     np.testing.assert_array_equal(np.bincount(blade_mesh.body), [1560, 1560, 240])
     assert {name: len(nodes) for name, nodes in blade_mesh.node_sets.items()} == {
@@ -31,7 +35,7 @@ def test_default_counts(blade_mesh):
     }
 
 
-def test_equals_the_reference_mesh_node_by_node(blade_mesh, reference_mesh):
+def test_equals_the_reference_mesh_node_by_node(blade_mesh: Mesh, reference_mesh: dict[str, np.ndarray]) -> None:
     reference_number = np.full(blade_mesh.n_nodes, -1)
     for body in range(3):
         nodes = np.unique(blade_mesh.cells[blade_mesh.body == body])
@@ -41,7 +45,7 @@ def test_equals_the_reference_mesh_node_by_node(blade_mesh, reference_mesh):
         reference_number[nodes] = reference_nodes[partner]
     assert len(np.unique(reference_number)) == blade_mesh.n_nodes
 
-    def rows(cells, body):
+    def rows(cells: np.ndarray, body: np.ndarray) -> set[tuple[int, ...]]:
         return {(*map(int, cell), int(number)) for cell, number in zip(cells, body, strict=True)}
 
     mine = rows(reference_number[blade_mesh.cells], blade_mesh.body)
@@ -50,7 +54,7 @@ def test_equals_the_reference_mesh_node_by_node(blade_mesh, reference_mesh):
     np.testing.assert_array_equal(fixed, np.sort(reference_mesh["fixed_nodes"]))
 
 
-def test_named_points(blade_mesh):
+def test_named_points(blade_mesh: Mesh) -> None:
     outer, middle = 31.72916512459885e-3, 3.314582562299425e-3
     expected = {
         "excitation_left": (-outer, 0.0, 3.67e-3),
@@ -63,13 +67,13 @@ def test_named_points(blade_mesh):
         np.testing.assert_allclose(blade_mesh.points[blade_mesh.node_set(name)[0]], point, atol=1e-12)
 
 
-def test_masses_of_the_inferred_parts(blade_mesh):
+def test_masses_of_the_inferred_parts(blade_mesh: Mesh) -> None:
     mass = consistent_mass(blade_mesh.points[blade_mesh.cells], Material().density).sum(axis=(1, 2))
     np.testing.assert_allclose(1e3 * np.bincount(blade_mesh.body, mass), [303.9, 303.9, 11.4], atol=0.05)
 
 
 @pytest.mark.parametrize(("asked", "found"), [(1e-9, 3.67), (5.0e-3, 3.67), (18.0e-3, 18.35), (36.6e-3, 36.7)])
-def test_excitation_height_moves_to_the_nearest_node(asked, found):
+def test_excitation_height_moves_to_the_nearest_node(asked: float, found: float) -> None:
     mesh = blade_pair_mesh(BladePairGeometry(excitation_height=asked))
     for name in ("excitation_left", "excitation_right"):
         assert mesh.points[mesh.node_set(name)[0], 2] == pytest.approx(1e-3 * found)
@@ -77,14 +81,14 @@ def test_excitation_height_moves_to_the_nearest_node(asked, found):
 
 @pytest.mark.parametrize("name", [item.name for item in fields(BladePairGeometry)])
 @pytest.mark.parametrize("value", [0.0, -1.0e-3, np.nan, np.inf, "28 mm", True])
-def test_a_bad_dimension_is_named(name, value):
+def test_a_bad_dimension_is_named(name: str, value: Any) -> None:
     with rejects(InputError, name):
         BladePairGeometry(**{name: value})
 
 
 @pytest.mark.parametrize("name", [item.name for item in fields(BladePairElements)])
 @pytest.mark.parametrize("value", [0, -2, 1.5, True])
-def test_a_bad_element_count_is_named(name, value):
+def test_a_bad_element_count_is_named(name: str, value: Any) -> None:
     with rejects(InputError, name):
         BladePairElements(**{name: value})
 
@@ -132,7 +136,7 @@ UNDER_PLATFORM = (
         ),
     ],
 )
-def test_parts_that_do_not_fit_are_named(change, keys):
+def test_parts_that_do_not_fit_are_named(change: dict[str, Any], keys: tuple[str, ...]) -> None:
     with rejects(InputError, *keys):
         BladePairGeometry(**change)
 
@@ -148,14 +152,14 @@ def test_parts_that_do_not_fit_are_named(change, keys):
         {"platform_gap": 8.0e-3},
     ],
 )
-def test_other_shapes_keep_their_pairs(change, pairs_of):
+def test_other_shapes_keep_their_pairs(change: dict[str, Any], pairs_of: Callable[[Mesh], FacePairs]) -> None:
     geometry = BladePairGeometry(**change)
     pairs = pairs_of(blade_pair_mesh(geometry))
     assert pairs.area.sum() == pytest.approx(2 * geometry.contact_face_width * geometry.damper_length)
     np.testing.assert_allclose(pairs.normal[:, 2], np.cos(np.radians(geometry.platform_angle_deg)), atol=1e-12)
 
 
-def test_every_count_reaches_the_mesh(pairs_of):
+def test_every_count_reaches_the_mesh(pairs_of: Callable[[Mesh], FacePairs]) -> None:
     counts = BladePairElements(
         shank_columns=2,
         shank_rows=7,

@@ -25,6 +25,7 @@ from stickslip.results.record import reference_deviation
 from stickslip.results.storage import load_results
 from stickslip.structure.floating_parts import parts_of
 from stickslip.structure.joined import joined_modes
+from stickslip.structure.superelement import Superelement
 from stickslip.study.solution import solve_case
 
 
@@ -111,6 +112,7 @@ def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Pa
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     setup = set_up(load_case(tmp_path / "study.toml"))
     superelement = setup.assemble()
+    assert isinstance(superelement, Superelement)
     assert superelement.size < actual.size, "matrix files are reduced to the nodes of the study"
     joint = load_joint(changed(folder), setup.layout)
     stuck_hz, _ = joined_modes(superelement, setup.layout.face_pairs, 4, joint.resting_springs)
@@ -185,6 +187,7 @@ def test_a_body_without_contact_without_support_is_rejected(folder: Path, tmp_pa
 
 def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
     actual = read_superelement(folder)
+    assert actual.positions is not None
     write_superelement(
         tmp_path, replace(actual, positions=1e6 * actual.positions, mass=1e-9 * actual.mass, recovery=None)
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from paper_curves import curve
@@ -23,7 +25,7 @@ SLIP = "A smaller centrifugal force lets more pairs slip or open."
 FORCE = "5 N leaves fewer pairs stuck than 2 N."
 
 
-def slipping(load: float, force: float, factor: float) -> dict[str, float]:
+def slipping(load: float, force: float, factor: float) -> dict[str, Any]:
     """More pairs move where force / load is larger (factor 1), or fewer (factor -1)."""
     moving = round(50 + 200 * factor * force / load)
     return {"stuck": 110.0 - moving, "stick_slip": float(moving), "separating": 0.0}

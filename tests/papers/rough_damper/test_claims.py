@@ -33,7 +33,8 @@ def line(along: str, number: str, values: tuple[float, ...], **setting: Any) -> 
     key, places = ("dimension", D) if along == "D" else ("scale", G)
     curves = []
     for place, value in zip(places, values, strict=True):
-        curves.append(curve({key: place, **setting}, **{number: value}))
+        pairs: dict[str, Any] = {number: value}
+        curves.append(curve({key: place, **setting}, **pairs))
     return curves
 
 
@@ -103,8 +104,12 @@ def test_energy_at_a_frequency_interpolates_takes_the_upper_branch_and_is_zero_o
 
 
 def three(number: str, single: float, same: float, opposite: float) -> list[Solved]:
-    values = {"single": single, "same": same, "opposite": opposite}
-    return [curve({"excitation": name}, **{number: value}) for name, value in values.items()]
+    values: dict[str, dict[str, Any]] = {
+        "single": {number: single},
+        "same": {number: same},
+        "opposite": {number: opposite},
+    }
+    return [curve({"excitation": name}, **value) for name, value in values.items()]
 
 
 @pytest.mark.parametrize(
@@ -276,5 +281,5 @@ def test_verdicts_are_asked_of_both_sweeps() -> None:
     assert len(seen(unseen, "up")) == 2
     table = peak_table("peaks", "Peaks", unseen)
     places = {column.name: place for place, column in enumerate(table.columns)}
-    assert np.isnan(table.rows[0][places["upward_peak"]])  # type: ignore[arg-type]
+    assert np.isnan(table.rows[0][places["upward_peak"]])
     assert table.rows[1][places["upward_peak"]] == pytest.approx(12.0)

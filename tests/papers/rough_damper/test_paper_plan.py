@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from sentences import rejects
+from stickslip.case.case import TwoBladeCase
 from stickslip.core.errors import RoughnessError, StudyFileError
 from stickslip.model.model import load_joint, set_up
 from stickslip.papers.rough_damper.plan import (
@@ -14,6 +15,7 @@ from stickslip.papers.rough_damper.plan import (
     LOAD_KEY,
     MODES,
     Choice,
+    Computation,
     Scope,
     base_case,
     changes,
@@ -23,12 +25,12 @@ from stickslip.papers.rough_damper.plan import (
 
 
 @pytest.fixture(scope="module")
-def plan():
+def plan() -> tuple[Computation, ...]:
     return computations(Scope())
 
 
 @pytest.mark.slow
-def test_size_and_keys(plan) -> None:
+def test_size_and_keys(plan: tuple[Computation, ...]) -> None:
     assert 350 <= len(plan) <= 420  # at some 2.3 s each, 420 take 8 minutes on two cores
     assert len({each.planned.key for each in plan}) == len(plan)
     assert len({each.planned.name for each in plan}) == len(plan)
@@ -37,7 +39,7 @@ def test_size_and_keys(plan) -> None:
 
 
 @pytest.mark.slow
-def test_every_joint_of_the_study_has_a_stiffness(plan) -> None:
+def test_every_joint_of_the_study_has_a_stiffness(plan: tuple[Computation, ...]) -> None:
     layout = set_up(plan[0].planned.case).layout
     for each in plan:
         joint = load_joint(each.planned.case, layout)
@@ -45,10 +47,11 @@ def test_every_joint_of_the_study_has_a_stiffness(plan) -> None:
 
 
 @pytest.mark.slow
-def test_labels_are_the_inputs(plan) -> None:
+def test_labels_are_the_inputs(plan: tuple[Computation, ...]) -> None:
     for each in plan:
         s, case = each.setting, each.planned.case
         assert case.roughness is not None
+        assert isinstance(case, TwoBladeCase)
         assert (case.excitation.mode, case.excitation.amplitude) == (s.excitation, s.force)
         assert case.preload.centrifugal_force == s.load
         assert (case.roughness.fractal_dimension, case.roughness.fractal_roughness) == (s.dimension, s.scale)
@@ -65,7 +68,7 @@ LABELLED = {
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice.name)
-def test_a_changed_choice_changes_that_key_alone(plan, choice: Choice) -> None:
+def test_a_changed_choice_changes_that_key_alone(plan: tuple[Computation, ...], choice: Choice) -> None:
     base = base_case(Scope()).to_dict()
     for value in choice.others:
         actual = [each for each in plan if each.setting.choice == variant(choice, value)]
@@ -80,7 +83,9 @@ def test_a_changed_choice_changes_that_key_alone(plan, choice: Choice) -> None:
 
 
 @pytest.mark.parametrize(("choice", "value"), list(changes(Scope())), ids=str)
-def test_under_every_change_forces_and_loads_can_be_compared(plan, choice: Choice, value: object) -> None:
+def test_under_every_change_forces_and_loads_can_be_compared(
+    plan: tuple[Computation, ...], choice: Choice, value: str
+) -> None:
     scope, name = Scope(), variant(choice, value)
     labels = {name, BASE_CHOICE} if choice.key == LOAD_KEY else {name}
     computed = {
@@ -97,7 +102,7 @@ def test_under_every_change_forces_and_loads_can_be_compared(plan, choice: Choic
             assert (5.0, main / 2, dimension, scale, excitation) in computed
 
 
-def test_the_papers_roughness_is_plastic_in_the_base_law_and_runs_in_unloading(plan) -> None:
+def test_the_papers_roughness_is_plastic_in_the_base_law_and_runs_in_unloading(plan: tuple[Computation, ...]) -> None:
     layout = set_up(plan[0].planned.case).layout
     for dimension in (2.2, 2.3):
         actual = [each for each in plan if (each.setting.dimension, each.setting.scale) == (dimension, 1e-8)]
@@ -111,5 +116,5 @@ def test_a_scope_that_computes_a_curve_twice_is_rejected() -> None:
         computations(Scope(extra=((2.4, 1e-9, "consistent"),)))
 
 
-def test_base_comes_first(plan) -> None:
+def test_base_comes_first(plan: tuple[Computation, ...]) -> None:
     assert plan[0].setting.choice == BASE_CHOICE

@@ -20,6 +20,7 @@ HARMONICS = 3
 
 def coupled_damping(blade: Blade, dashpot: float = 5.0) -> Superelement:
     """The blade with a dashpot (N s/m) on one unknown: its modes do not diagonalise that."""
+    assert blade.superelement.damping is not None
     damping = blade.superelement.damping.copy()
     damping[3, 3] += dashpot
     return Superelement(blade.superelement.mass, blade.superelement.stiffness, damping)
@@ -36,6 +37,7 @@ def random_load(blade: Blade) -> tuple[np.ndarray, np.ndarray]:
 def dynamic_stiffness(superelement: Superelement, blade: Blade, x: float) -> np.ndarray:
     """``Kbar - x^2 M + i x C`` of the stuck structure."""
     matrix = stuck_stiffness_matrix(superelement, blade.pairs) - x**2 * superelement.mass
+    assert superelement.damping is not None
     return np.asarray(matrix + 1j * x * superelement.damping)
 
 
@@ -82,6 +84,7 @@ def test_viscous_form_is_that_of_the_matrix(blade: Blade, coupled: bool) -> None
     stuck = stuck_structure(superelement, blade.pairs, 4000.0, None)
     amplitude = np.random.default_rng(2).normal(size=(2 * HARMONICS, superelement.size))
     motion = amplitude @ stuck.modes.T
+    assert superelement.damping is not None
     expected = np.einsum("hi,ij,hj->h", motion, superelement.damping, motion)
     assert np.allclose(stuck.compliance(HARMONICS).gain.viscous_form(amplitude), expected, rtol=1e-7)
 

@@ -279,6 +279,7 @@ def test_blade_error_falls_with_the_step_and_energy_balances(blade: Blade, balan
 
     angle = 2.0 * np.pi * np.arange(4000) / 4000
     load = np.outer(np.cos(angle), blade.force_cos) + np.outer(np.sin(angle), blade.force_sin)
+    assert blade.superelement.damping is not None
     step = 1.0 / (balance.frequency_hz[point] * 4000)
     input_energy = step * np.sum(load * response.velocity)
     viscous_energy = step * np.sum(response.velocity * (response.velocity @ blade.superelement.damping))

@@ -14,6 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update, friction_cycle, friction_force, friction_tangent
 from stickslip.contact.law.coulomb_linear import coulomb_linear_steps
 from stickslip.contact.law.coulomb_step import CoulombMemory, PressedPairs
@@ -115,6 +116,18 @@ class ExponentialContact(FrictionLaw):
     def normal_law(self) -> ExponentialNormalLaw:
         """The normal force over the closing from rest."""
         return ExponentialNormalLaw(self.normal_load, self.length)
+
+    def with_constant_stiffness(self) -> CoulombLaw:
+        """The Coulomb law with the loads, springs and tractions at rest."""
+        return CoulombLaw(
+            self.normal_stiffness,
+            self.tangential_stiffness,
+            self.friction_coefficient,
+            self.normal_load,
+            np.zeros(self.n_pairs),
+            self.residual_traction,
+            self.update,
+        )
 
     def resting_springs(self) -> FloatArray:
         """(p, 3) N/m: those of a stuck pair under its load at rest."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stickslip.case.cyclic_sections import DEVIATION, MistuningSection
+from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.formats.table_file import read_table
@@ -15,9 +18,11 @@ _COLUMN = "deviation"
 
 
 def blade_nodes(section: MistuningSection, mesh: Mesh, sectors: int) -> IntArray:
-    """The nodes of the blade of a sector. Raises InputError for a set that the mesh does not have, and a pattern of
+    """The nodes of the blade of a sector. Raises InputError for a set that the mesh does not have, and for values of
     another number of blades."""
     _given_pattern(section, sectors)
+    if section.damper_loads is not None:
+        _require_all("mistuning.damper_loads", "values", section.damper_loads, sectors)
     with named_entry("mistuning.blade"):
         return mesh.node_set(section.blade)
 
@@ -46,6 +51,13 @@ def mistuning_words(section: MistuningSection) -> str:
     )
 
 
+def unequal_dampers(section: MistuningSection, pairs: ContactPairs) -> ContactPairs | list[ContactPairs]:
+    """The pairs of each sector, whose normal loads are those of the study times ``damper_loads``."""
+    if section.damper_loads is None:
+        return pairs
+    return [pairs.with_constants(normal_load=factor * pairs.normal_load) for factor in section.damper_loads]
+
+
 def _given_pattern(section: MistuningSection, sectors: int) -> FloatArray | None:
     """(N,) the deviations of the study; None for random ones."""
     if section.standard_deviation is not None:
@@ -54,10 +66,15 @@ def _given_pattern(section: MistuningSection, sectors: int) -> FloatArray | None
     values = section.pattern
     if section.file is not None:
         values = read_table(section.file, {_COLUMN: DEVIATION}, key)[_COLUMN]
-    if values is None or len(values) != sectors:
+    return _require_all(key, "deviations", values or (), sectors)
+
+
+def _require_all(key: str, noun: str, values: Sequence[float], sectors: int) -> FloatArray:
+    """The values (N,) of all sectors. Raises InputError for another number of them."""
+    if len(values) != sectors:
         raise InputError(
-            f"{key} has {len(values or ())} deviations, but the disk has {sectors} blades: give one for each, in the "
-            "order of the sectors, or standard_deviation for random ones.",
+            f"{key} has {len(values)} {noun}, but the disk has {sectors} blades: give one for each, in the order of "
+            "the sectors.",
             (key,),
         )
     return np.array(values)

@@ -30,7 +30,7 @@ from stickslip.solve.harmonic.gain import to_complex, to_real
 from stickslip.solve.harmonic.support import only_friction_supports
 from stickslip.solve.harmonic.unbounded import nearly_undamped
 from stickslip.solve.harmonic.walk import without_walk
-from stickslip.solve.setting_up import check_options, require_comparable, resistance
+from stickslip.solve.setting_up import Vibration, check_options, require_comparable, resistance
 from stickslip.structure.cyclic_sector import CyclicSector, folded
 
 
@@ -104,6 +104,16 @@ class SectorBalances:
     def shown(self, coefficients: FloatArray) -> FloatArray:
         """Coefficients (..., 2H+1, 2n) of this sector and the next one."""
         return self.stuck.expanded(coefficients)
+
+    def vibration_of(self, outputs: FloatArray) -> Vibration:
+        """The outputs (k, 2n) of vibrations."""
+
+        def vibration(balance: Balance, amplitude: FloatArray) -> FloatArray:
+            still = np.zeros((*amplitude.shape[:-2], amplitude.shape[-2] + 1, balance.rows))
+            motion = self.shown(balance.compliance.displacement(amplitude, still))
+            return np.asarray(motion[..., 1:, :] @ outputs.T)
+
+        return vibration
 
     @property
     def damped_harmonics(self) -> int | None:

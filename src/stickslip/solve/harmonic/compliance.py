@@ -20,10 +20,10 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.damping import (
+    damping_root,
     diagonal_modal_damping,
     modal_basis,
     modal_damping,
-    modal_damping_matrix,
     stuck_stiffness_matrix,
 )
 from stickslip.solve.harmonic.gain import CoupledGain, DiagonalGain, ModalGain, SelfExcitation
@@ -198,12 +198,25 @@ class StuckStructure:
     @cached_property
     def damping(self) -> FloatArray:
         """(n, n) N s/m, symmetric, also with modal damping ratios."""
+        root = self.damping_root
+        if root is not None:
+            return np.asarray(root @ root.T)
+        damping = self.origin[0].damping
+        return np.zeros(self.modes.shape) if damping is None else damping
+
+    @cached_property
+    def damping_root(self) -> FloatArray | None:
+        """(n, p) whose product with its transpose is the damping of modal ratios, of p modes; None for a matrix."""
         superelement, _, ratio = self.origin
-        if ratio is not None:
-            modal = self.modal_damping  # Coriolis forces have no diagonal
-            diagonal = modal if modal.ndim == 1 else np.diag(modal)
-            return modal_damping_matrix(superelement.mass, self.modes, diagonal)
-        return np.zeros(self.modes.shape) if superelement.damping is None else superelement.damping
+        if ratio is None:
+            return None
+        modal = self.modal_damping  # Coriolis forces have no diagonal
+        return damping_root(superelement.mass, self.modes, modal if modal.ndim == 1 else np.diag(modal))
+
+    @property
+    def mass(self) -> FloatArray:
+        """(n, n) kg."""
+        return self.origin[0].mass
 
     @property
     def velocity_matrix(self) -> FloatArray:

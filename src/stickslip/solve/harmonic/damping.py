@@ -55,8 +55,17 @@ def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: f
 
 def modal_damping_matrix(mass: FloatArray, modes: FloatArray, modal: FloatArray) -> FloatArray:
     """``C = M phi diag(modal) phi^T M`` (n, n) N s/m for mass-normalised ``phi``."""
-    weighted = mass @ modes
-    return np.asarray((weighted * modal) @ weighted.conj().T)
+    root = damping_root(mass, modes, modal)
+    return np.asarray(root @ root.conj().T)
+
+
+def damping_root(mass: FloatArray, modes: FloatArray, modal: FloatArray) -> FloatArray:
+    """R (n, p) with ``R R^H = M phi diag(modal) phi^T M`` of the p modes that have damping.
+
+    They are few: modes far above the excitation have none.
+    """
+    damped = np.flatnonzero(modal)
+    return np.asarray(mass @ modes[:, damped] * np.sqrt(modal[damped]))
 
 
 def diagonal_modal_damping(damping: FloatArray, modes: FloatArray, tolerance: float = 1e-9) -> FloatArray | None:

@@ -128,20 +128,34 @@ class LinearLimit:
         self.resonant = Resonant.of(circular_frequency, modes, modal_damping)
 
     @classmethod
-    def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
-        """The limit of a structure given by its matrices (n, n)."""
-        return cls.of_modes(*modal_basis(mass, stiffness), stiffness, damping)
+    def of_matrices(
+        cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray, root: FloatArray | None = None
+    ) -> LinearLimit:
+        """The limit of a structure given by its matrices (n, n); ``root`` (n, p) with ``C = R R^T``, if it is known,
+        replaces ``damping``."""
+        frequency, modes = modal_basis(mass, stiffness)
+        if root is None:
+            return cls.of_modes(frequency, modes, stiffness, damping)
+        shares = modes.T @ root
+        return cls._with_rigid(frequency, modes, stiffness, shares @ shares.T)
 
     @classmethod
     def of_modes(
         cls, circular_frequency: FloatArray, modes: FloatArray, stiffness: FloatArray, damping: FloatArray
     ) -> LinearLimit:
         """The limit of a structure whose mass-normalised modes (n, n) are known."""
+        return cls._with_rigid(circular_frequency, modes, stiffness, modes.conj().T @ damping @ modes)
+
+    @classmethod
+    def _with_rigid(
+        cls, circular_frequency: FloatArray, modes: FloatArray, stiffness: FloatArray, modal_damping: FloatArray
+    ) -> LinearLimit:
+        """The limit with the motions of free bodies among its modes."""
         # The round-off of a frequency of zero is far below this fraction of the highest one.
         slow = circular_frequency <= POSSIBLY_RIGID * circular_frequency.max()
         rigid = np.zeros(slow.size, dtype=bool)
         rigid[slow] = moves_freely(stiffness, modes[:, slow])
-        return cls(circular_frequency, modes, modes.conj().T @ damping @ modes, rigid)
+        return cls(circular_frequency, modes, modal_damping, rigid)
 
     @property
     def natural_hz(self) -> FloatArray:

@@ -38,6 +38,8 @@ class StuckModes(Protocol):
     @property
     def modes(self) -> NDArray[Any]: ...
     @property
+    def mass(self) -> NDArray[Any]: ...
+    @property
     def modal_damping(self) -> NDArray[Any]: ...
     @property
     def contact_modes(self) -> NDArray[Any]: ...
@@ -58,7 +60,7 @@ class Resonances:
     def __init__(self, stuck: LinearLimit, free: LinearLimit, structure: StuckModes, force: ExcitationForce) -> None:
         self._structure, self._force = structure, force
         near = [limit.circular_frequency <= NEAR_MODES * structure.highest_omega for limit in (stuck, free)]
-        from_free = scipy.linalg.solve(structure.modes, free.modes[:, near[1]], check_finite=False)
+        from_free = structure.modes.conj().T @ (structure.mass @ free.modes[:, near[1]])
         both = np.hstack([np.eye(len(from_free))[:, near[0]], from_free])
         self._basis = scipy.linalg.orth(both, rcond=SAME_MODES)  # (n, r) in the coordinates of the stuck modes
         self._shapes = structure.contact_modes @ self._basis

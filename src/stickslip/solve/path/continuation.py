@@ -97,6 +97,7 @@ class Branch(Generic[PointT]):
         self.retreats: list[float] = []
         self.corners: list[float] = []
         self.crossings: list[Crossing] = []
+        self._crossed: list[tuple[PointT, float]] = []  # where they begin, and their directions
         self._most_retreats = MOST_RETREATS
         self._steps = iter(range(settings.max_points - 1))
         self.complete = self.closed = self.lost = False
@@ -172,14 +173,15 @@ class Branch(Generic[PointT]):
                 bend = turned.plus(tangent.times(-1.0)).times(1.0 / length)
                 tangent = turned
                 continue
-            if len(self.retreats) == self._most_retreats:
+            onward = self._retreat(came_back.target) if len(self.retreats) < self._most_retreats else None
+            if onward is None:
                 self.message = (
                     f"The branch returned to a part already computed {len(self.retreats) + 1} times, the last time at "
                     f"{self._name_of(self.points[-1].point)}: other solutions are too close to it. Use more samples, "
                     "fewer harmonics, or more damping."
                 )
                 return True
-            tangent, step = self._retreat(came_back.target)
+            tangent, step = onward
             bend = tangent.times(0.0)
         self.lost = False
         self.message = (
@@ -199,9 +201,12 @@ class Branch(Generic[PointT]):
         travel = math.copysign(1.0, ahead[last] - ahead[max(last - 1, 0)])
         for index, sign in ((furthest, 1.0), (last, travel)):
             edge, direction = self.points[index].point, sign * self._direction
+            if any(edge is before and direction == onward for before, onward in self._crossed):
+                continue  # this crossing led back
             found = close_beyond(self._corrector, (edge, here), direction, self._settings)
             if found is None or self._end_passed(parameter_of(found.point)) or self._jumped(edge, found.point):
                 continue
+            self._crossed.append((edge, direction))
             self.crossings.append(crossing_of([each.point for each in self.points[index:]], found.point))
             if index < last:
                 self._remove_after(index)
@@ -228,13 +233,13 @@ class Branch(Generic[PointT]):
         """Whether the branch, which may pass its start, came back to it in the same direction."""
         return self._within is not None and came_back.same_direction and came_back.target == 0
 
-    def _retreat(self, target: int) -> tuple[Tangent, float]:
-        """Remove the points after ``target``; returns the tangent there and the next step."""
-        parameter = parameter_of(self.points[target].point)
-        self.retreats.append(parameter)
-        beyond = self._retreats.go_back(target)
-        self._remove_after(target)
-        return beyond
+    def _retreat(self, target: int) -> tuple[Tangent, float] | None:
+        """Remove the points after ``target``; returns the tangent there and the next step, None if it is not new."""
+        onward = self._retreats.go_back(target)
+        if onward is not None:
+            self.retreats.append(parameter_of(self.points[target].point))
+            self._remove_after(target)
+        return onward
 
     def _remove_after(self, target: int) -> None:
         self._on_event(Retreat(parameter_of(self.points[target].point), target + 1))

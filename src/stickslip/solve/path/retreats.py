@@ -54,6 +54,7 @@ class Retreats(Generic[PointT]):
         # Target of the last retreat, and the number of earlier ones with this target.
         self._last_target: PointT | None = None
         self._again = 0
+        self._tried: list[tuple[PointT, float]] = []  # targets of all retreats, and the steps from there
 
     def came_back(self) -> CameBack | None:
         """Whether the last step came back to the branch; None if its point is new.
@@ -80,11 +81,11 @@ class Retreats(Generic[PointT]):
         self._back.clear()
         return None
 
-    def go_back(self, last: int) -> tuple[Tangent, float]:
+    def go_back(self, last: int) -> tuple[Tangent, float] | None:
         """The tangent and the next step at the point ``last``, before the points after it are removed.
 
         It is shorter than the step that left the branch; where shorter steps came back to the same point, it is longer,
-        to pass it.
+        to pass it. None where an earlier retreat took the same step from this point: the branch would go round again.
         """
         corrector, points = self._corrector, self._visited.points
         metric = corrector.measure(points[-1])
@@ -98,6 +99,9 @@ class Retreats(Generic[PointT]):
         else:
             step = min(LONGER**self._again * length, self._settings.first_step)
             self._pace.relax()
+        if any(target is points[last] and math.isclose(step, earlier) for target, earlier in self._tried):
+            return None
+        self._tried.append((points[last], step))
         self.forget()
         system = corrector.problem.linearised(points[last], corrector.plane(points[last], onward, 0.0))
         return metric.unit(corrector.direction_of(points[last], system, 1.0)), step

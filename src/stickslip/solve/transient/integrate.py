@@ -9,7 +9,7 @@ periodic at the excitation frequency.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import scipy.linalg
@@ -203,7 +203,7 @@ def _march(
     return LawMarch(scheme, pairs, relative, cycle)
 
 
-def start_from_response(response: ForcedResponse, point: int) -> dict[str, FloatArray]:
+def start_from_response(response: ForcedResponse, point: int) -> dict[str, Any]:
     """Time 0 of one point of a harmonic-balance curve, as ``initial_...`` arguments of integrate_to_steady_state.
 
     It includes the memory of the laws (sliders of Coulomb pairs, a period of the motion for others), so that a pair
