@@ -10,12 +10,16 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import stickslip as ss
+from assembly_deck import assembly_deck
 from own_cases import EXAMPLE
 from sentences import printed_sentence, rejects
 from stickslip.case.load import load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import StudyFileError
 from stickslip.model.model import set_up
+from stickslip.results.storage import load_results
+from stickslip.study.proposal import propose
 
 MODELS = Path(__file__).parents[1] / "data" / "models"
 CONTACT = """*SURFACE INTERACTION, NAME=Steel on steel
@@ -127,3 +131,44 @@ def test_options_that_do_not_fit(deck: Path, options: list[str]) -> None:
     assert outcome.exit_code == 2
     assert not deck.with_name("new.toml").exists()
     printed_sentence(outcome.output)
+
+
+def test_faces_of_a_mesh_that_touch_are_proposed_as_a_joint(tmp_path: Path) -> None:
+    """A Gmsh file names faces, but no contact pairs."""
+    (tmp_path / "mesh.msh").write_bytes((MODELS.parent / "two_blades" / "two_blades.msh").read_bytes())
+    lines = written(tmp_path / "mesh.msh").splitlines()
+    found = [line.partition("= ")[2] for line in lines if line.startswith(("# GIVE first", "# GIVE second"))]
+    assert found == ['"damper_left"', '"left_face"', '"damper_right"', '"right_face"']
+    assert "# GIVE [interfaces.joint_2]" in lines
+
+
+@pytest.mark.slow
+def test_a_deck_of_abaqus_cae_from_the_file_to_the_page(tmp_path: Path) -> None:
+    """Only what no model file contains is completed; the load acts on the reference point by the name of its set."""
+    (tmp_path / "deck.inp").write_text(assembly_deck(), encoding="utf-8")
+    text = written(tmp_path / "deck.inp")
+    assert '(set "Load point")' in text
+    assert "_lower_lap_S2" not in text
+    path = tmp_path / "study.toml"
+    path.write_text(completed(text).replace('"tip"', '"Load point"'), encoding="utf-8")
+    final = tmp_path / "final.toml"
+    for words in (["check", str(path)], ["new", str(final), "--from", str(path)]):
+        outcome = CliRunner().invoke(app, words)
+        assert outcome.exit_code == 0, outcome.output
+    case = load_case(final)
+    low, high = case.solver.frequency_start, case.solver.frequency_stop
+    proposal = propose(case)
+    assert proposal.onset is not None
+    assert proposal.onset.is_loose  # without contact the second plate is loose: its elastic modes lie far above
+    assert proposal.onset.free_peak is None
+    assert proposal.onset.stuck_peak is not None
+    assert low < proposal.onset.stuck_peak.frequency_hz < high < 1.2 * proposal.onset.stuck_peak.frequency_hz
+    quick = case.replace({"analysis.stiffness_band": False, "solver.harmonics": 1, "solver.samples": 32})
+    solved = ss.run(quick, tmp_path / "out", threads=1)
+    assert solved.response.converged
+    study = load_results(tmp_path / "out" / "results.nc").study
+    assert study is not None
+    assert not [words for words in study.warnings if words in study.notes]
+    assert any("*TIE" in words for words in study.notes)
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert f"Notes on the model file ({len(study.notes)})" in page

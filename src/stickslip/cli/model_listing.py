@@ -79,7 +79,19 @@ def _tables(model: ImportedModel, units_known: bool) -> Iterator[tuple[str, tupl
     )
     others = [name for name in mesh.node_sets if name not in mesh.face_sets and name not in mesh.element_sets]
     yield "Node sets", ("name", "nodes"), [(name, f"{mesh.node_sets[name].size}") for name in others]
+    yield "Reference nodes", ("node", "set", "position, mm"), _reference_nodes(model) if units_known else []
     yield "Element sets", ("name", "elements"), [(name, f"{cells.size}") for name, cells in mesh.element_sets.items()]
+
+
+def _reference_nodes(model: ImportedModel) -> Rows:
+    """Number, node set and position of each reference node of a coupling or rigid body."""
+    if model.equations is None:
+        return []
+    names = {label: name for name, label in model.reference_sets.items()}
+    return [
+        (f"{label}", names.get(label, ""), ", ".join(f"{1e3 * value:.6g}" for value in place))
+        for label, place in sorted(model.equations.places.items())
+    ]
 
 
 def _bodies(model: ImportedModel) -> Rows:
@@ -138,7 +150,7 @@ def _messages(model: ImportedModel, units_known: bool) -> Iterator[str]:
             )
     if tied is not None:
         yield f"Ties and equations of the file make {tied.dependent_unknowns.size} displacements follow others."
-    constrained: IntArray = model.fixed_unknowns
+    constrained: IntArray = model.fixed_unknowns if tied is None else tied.zero_unknowns
     if constrained.size:
         yield f"The file sets {constrained.size} displacements of {np.unique(constrained // 3).size} nodes to zero."
     loaded = np.flatnonzero(model.node_forces.any(axis=1))
@@ -146,6 +158,7 @@ def _messages(model: ImportedModel, units_known: bool) -> Iterator[str]:
         total = ", ".join(f"{force:.6g}" for force in model.node_forces.sum(axis=0))
         yield f"Forces act on {loaded.size} nodes" + (f"; their sum is ({total}) N." if units_known else ".")
     yield from (f"Note: {message}" for message in model.messages)
+    yield from (f"Warning: {message}" for message in model.doubts)
     if units_known:
         yield from (f"Warning: {message}" for message in model.warnings)
 

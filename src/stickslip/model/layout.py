@@ -111,7 +111,7 @@ class Layout:
     facts:
         (name, value, unit, explanation) of the layout.
     messages:
-        messages for the user: skipped entries, suspicious values.
+        warnings for the user: what the model lacks, suspicious values.
     body_names:
         names of the bodies of the mesh, empty where there is none.
     contact_sets:
@@ -124,6 +124,8 @@ class Layout:
         (n_nodes,) and (n_cells,) numbers of nodes and cells in the mesh file; None without a file.
     blade_nodes:
         nodes of the blade of a sector beyond its root, whose frequencies differ in a mistuned disk; None for any other.
+    notes:
+        what was read from a model file and assumed about it.
     """
 
     face_pairs: FacePairs
@@ -140,6 +142,7 @@ class Layout:
     line_width: float | None = None
     file_numbers: tuple[IntArray, IntArray] | None = None
     blade_nodes: IntArray | None = None
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def boundary_nodes(self) -> IntArray:

@@ -312,8 +312,11 @@ SECTIONS = (
     ),
     Section(
         "Inputs",
-        "{{ parts.study_file(study) }}",
-        lambda view: {"study": StudyText(view.study.inputs, view.changed_inputs)},
+        """\
+{{ parts.study_file(study) }}
+{% if notes %}<details class="more"><summary>Notes on the model file ({{ notes | length }})</summary>
+<ul>{% for words in notes %}<li>{{ words }}</li>{% endfor %}</ul></details>{% endif %}""",
+        lambda view: {"study": StudyText(view.study.inputs, view.changed_inputs), "notes": view.study.notes},
     ),
     Section(
         "Settings and provenance",

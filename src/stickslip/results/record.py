@@ -83,6 +83,8 @@ class StudyRecord(Labelled):
         (name, value, unit, explanation) of derived quantities: face stiffness, Sq, preload, ...
     warnings:
         messages of the study itself; those of the solver are in the response.
+    notes:
+        what was read from a model file and assumed about it; none in files of earlier versions.
     face_directions:
         position and sliding directions of each face in the structure; None for results files of older versions.
     sketch:
@@ -148,6 +150,9 @@ class StudyRecord(Labelled):
         ),
     )
     warnings: tuple[str, ...] = field(default=(), metadata=stored(Json(list[str], "warnings of the study, JSON list")))
+    notes: tuple[str, ...] = field(
+        default=(), metadata=stored(Json(list[str], "notes on the model file, JSON list", optional=True))
+    )
     face_directions: FaceDirections | None = field(
         default=None, metadata=stored(InGroup.of(FaceDirections, optional=True))
     )
@@ -211,6 +216,7 @@ class StudyRecord(Labelled):
         object.__setattr__(self, "mode_reference", mode_reference)
         object.__setattr__(self, "derived", tuple(tuple(plain(row)) for row in self.derived))
         object.__setattr__(self, "warnings", tuple(self.warnings))
+        object.__setattr__(self, "notes", tuple(self.notes))
 
     def __repr__(self) -> str:
         return (

@@ -36,6 +36,7 @@ def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, .
         _tuples("settings", "settings of the solver", ("setting", "value"), list(response.settings.items())),
         _tuples("provenance", "software and date", ("name", "value"), list(response.provenance.items())),
         _tuples("warnings", "warnings of the study and of the solver", ("warning",), _warnings(response, study)),
+        _tuples("notes", "notes on the model file", ("note",), [(words,) for words in study.notes]),
     ]
     return tuple(table for table in tables if table is not None and len(table.columns[0].values))
 

@@ -64,6 +64,11 @@ class Constraints:
         follows[self.free_unknowns] = False
         return np.flatnonzero(follows)
 
+    @property
+    def zero_unknowns(self) -> IntArray:
+        """Displacements that are zero, by constraints of their own or by what they follow; rising."""
+        return np.flatnonzero(np.diff(self.transformation.indptr) == 0)
+
     def leaders(self, unknown: int) -> IntArray:
         """The independent displacements that one displacement follows."""
         row = slice(*self.transformation.indptr[unknown : unknown + 2])

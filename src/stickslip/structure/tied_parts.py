@@ -12,6 +12,8 @@ from stickslip.structure.constraints import Constraints
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.rigid_motions import PartMotions, part_motions, rigid_fields, zero_motions
 
+_ROUND_OFF = 1e-9  # of the terms of a condition; elimination amplifies that of the coordinates
+
 
 @dataclass(frozen=True)
 class SupportedGroup:
@@ -42,8 +44,7 @@ def supported_groups(
     owner = np.empty(mesh.n_nodes, dtype=np.int64)
     for number, part in enumerate(parts):
         owner[mesh.nodes_of_cells(part.cells)] = number
-    zero = np.flatnonzero(np.diff(constraints.transformation.indptr) == 0)
-    dependent = constraints.dependent_unknowns
+    zero, dependent = constraints.zero_unknowns, constraints.dependent_unknowns
     # rows u_d - sum T u_f of the dependent displacements, and u of those that are zero
     chosen = np.concatenate([dependent, zero])
     unit = scipy.sparse.csr_matrix(
@@ -53,7 +54,11 @@ def supported_groups(
     group = _groups(rows, owner, len(parts))
     centre = np.array([mesh.points[owner == number].mean(axis=0) for number in range(len(parts))])
     size = np.array([float(np.ptp(mesh.points[owner == number], axis=0).max()) for number in range(len(parts))])
-    conditions = rows @ rigid_fields(mesh.points, owner, centre, size)
+    fields = rigid_fields(mesh.points, owner, centre, size)
+    conditions = (rows @ fields).tocsr()
+    # What rigid motions satisfy is round-off, which would count as a condition where a group has no other one.
+    conditions = conditions.multiply(abs(conditions) > _ROUND_OFF * (abs(rows) @ abs(fields))).tocsr()
+    conditions.eliminate_zeros()
     answer = []
     for number in range(int(group.max()) + 1):
         members = np.flatnonzero(group == number)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -98,8 +98,14 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
             "damping.modal_damping_ratio, 0.001 is usual for metal."
         )
     if warnings:
-        sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
+        sections.append(("Warnings", _numbered(warnings)))
+    if joint.layout.notes:
+        sections.append(("Notes on the model file", _numbered(joint.layout.notes)))
     return sections
+
+
+def _numbered(sentences: Sequence[str]) -> list[tuple[str, str]]:
+    return [(f"{i}.", sentence) for i, sentence in enumerate(sentences, start=1)]
 
 
 def _range_words(case: Case) -> str:

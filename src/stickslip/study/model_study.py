@@ -12,6 +12,11 @@ import numpy as np
 from stickslip.case.template import bare_name
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.raw_contacts import GROUND, RawContact
+from stickslip.structure.constraints import eliminate
+from stickslip.structure.equations import Equations
+from stickslip.structure.face_ties import tie_nodes
+from stickslip.structure.mesh import Mesh
+from stickslip.structure.model_facts import bounding_box
 
 _OPENING = """\
 # A study of stickslip on the model {model}.
@@ -21,7 +26,11 @@ _OPENING = """\
 """
 _UNUSABLE = re.compile(r"[^\w .+()-]")
 _LONGEST_NAME = 60  # of a joint; a study allows 64
+_INTERNAL = "_"  # Abaqus/CAE begins the names of the sets with it that it makes for surfaces
 _SHOWN = 12  # chosen: names of sets in a comment
+_MOST_FACES = 40  # chosen: of which faces that touch are searched
+_NEAR = 0.01  # chosen: of a face, distance of the boxes around two faces that may touch
+_LIES_ON = 0.5  # chosen: fraction of the nodes of each face that lies on the other one
 _MATERIAL = ('young_modulus = "... GPa"', "poisson_ratio = ...", 'density = "... kg/m^3"')
 _STIFFNESS = (
     "# The contact stiffness follows from [roughness]. Instead, each joint may have normal_stiffness and",
@@ -78,9 +87,11 @@ def _structure(model: ImportedModel, file: str, own_system: str | None) -> Itera
     yield f"length_unit = {_text(model.length_unit)}"
     if own_system is not None:
         yield f"unit_system = {_text(own_system)}"
-    if model.fixed_unknowns.size:
-        nodes = np.unique(model.fixed_unknowns // 3).size
-        yield f"# The model constrains {model.fixed_unknowns.size} displacements of {nodes} nodes."
+    zero = model.fixed_unknowns
+    if model.equations is not None:
+        zero = eliminate(model.equations, zero).zero_unknowns
+    if zero.size:
+        yield f"# The model constrains {zero.size} displacements of {np.unique(zero // 3).size} nodes."
     else:
         yield '# GIVE fixed = ["..."]'
     yield from _sets(model)
@@ -90,11 +101,23 @@ def _sets(model: ImportedModel) -> Iterator[str]:
     """The names that a study may use."""
     mesh = model.mesh
     faces = sorted(mesh.face_sets)
-    others = sorted(mesh.node_sets.keys() - mesh.face_sets.keys())
+    others = sorted(name for name in mesh.node_sets.keys() - mesh.face_sets.keys() if name[0] not in _INTERNAL)
     for words, names in (("Face sets", faces), ("Other sets", others)):
         if names:
             more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
             yield f"# {words}: {', '.join(map(_text, names[:_SHOWN]))}{more}."
+    labels = [] if model.equations is None else _moving(model.equations)
+    if labels:
+        of_sets = {label: f" (set {_text(name)})" for name, label in model.reference_sets.items()}
+        more = f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else ""
+        listed = ", ".join(f"node = {label}{of_sets.get(label, '')}" for label in labels[:_SHOWN])
+        yield f"# Reference nodes, positions of forces and responses: {listed}{more}."
+
+
+def _moving(equations: Equations) -> list[int]:
+    """The reference nodes that are not clamped, rising."""
+    clamped = {key for key, unknown in equations.further.items() if unknown in equations.fixed}
+    return sorted(label for label in equations.places if not {(label, axis) for axis in range(3)} <= clamped)
 
 
 def _bodies(model: ImportedModel) -> Iterator[str]:
@@ -128,8 +151,41 @@ def _joints(model: ImportedModel) -> Iterator[str]:
         lines = [*notes, *sides, friction, '# GIVE normal_load = "... N"']
         yield _section(f"interfaces.{bare_name(_new_name(pair, names))}", lines)
     if not joints:
-        empty = ('first = "..."', 'second = "..."', "friction = ...", 'normal_load = "... N"')
+        yield from _proposed_joints(model.mesh)
+
+
+def _proposed_joints(mesh: Mesh) -> Iterator[str]:
+    """Joints to complete of a model without contact pairs: between faces that touch, else without faces."""
+    rest = ("friction = ...", 'normal_load = "... N"')
+    touching = list(_touching_faces(mesh))
+    for number, (first, second) in enumerate(touching, start=1):
+        heading = "interfaces.joint" + (f"_{number}" if len(touching) > 1 else "")
+        sides = (f"first = {_text(first)}", f"second = {_text(second)}")
+        yield "# The model contains no contact pair; these faces touch.\n" + _to_complete(heading, (*sides, *rest))
+    if not touching:
+        empty = ('first = "..."', 'second = "..."', *rest)
         yield "# The model contains no contact pairs that slide.\n" + _to_complete("interfaces.joint", empty)
+
+
+def _touching_faces(mesh: Mesh) -> Iterator[tuple[str, str]]:
+    """Pairs of face sets without a common node that lie on each other, the finer one first."""
+    names = sorted(mesh.face_sets)[:_MOST_FACES]
+    for place, one in enumerate(names):
+        for other in names[place + 1 :]:
+            nodes = [mesh.node_sets[one], mesh.node_sets[other]]
+            if np.isin(nodes[0], nodes[1]).any():
+                continue
+            boxes = [bounding_box(mesh.points[each]) for each in nodes]
+            low, high = np.max([box[0] for box in boxes], axis=0), np.min([box[1] for box in boxes], axis=0)
+            size = min(float((box[1] - box[0]).max()) for box in boxes)
+            if (low > high + _NEAR * size).any():
+                continue
+            shares = [
+                tie_nodes(mesh.points, here, mesh.face_sets[there]).nodes.size / here.size
+                for here, there in zip(nodes, (other, one), strict=True)
+            ]
+            if min(shares) >= _LIES_ON:
+                yield (one, other) if nodes[0].size >= nodes[1].size else (other, one)
 
 
 def _new_name(pair: RawContact, used: set[str]) -> str:

@@ -18,6 +18,8 @@ from stickslip.study.assembled import Assembled
 
 # chosen: the range goes on by this fraction of the frequency beyond both linear peaks.
 BEYOND_PEAKS = 0.08
+# chosen: the same fraction below the stuck peak where no free peak bounds how far slip lowers it.
+BELOW_LOOSE = 0.25
 # chosen: excitation over that of the first slip where it is not known when nearly all pairs slip: many do.
 MANY_SLIP = 4.0
 
@@ -56,6 +58,8 @@ class Proposal:
             return
         for words, peak in (("contacts stuck", self.onset.stuck_peak), ("no contact", self.onset.free_peak)):
             text = "none among the first modes"
+            if words == "no contact" and self.onset.is_loose:
+                text = "none: without contact the excitation moves the output as a rigid body"
             if peak is not None:
                 size = "no bound without viscous damping"
                 if math.isfinite(peak.amplitude):
@@ -67,7 +71,8 @@ class Proposal:
         yield "first pair slips at the stuck peak", "not known" if first is None else _sizes(shown, first)
         text = "not known"
         if nearly_all is not None:
-            text = f"{' to '.join(_sizes(shown, each) for each in nearly_all)} (lower and upper estimate)"
+            sizes = dict.fromkeys(_sizes(shown, each) for each in nearly_all)
+            text = f"{' to '.join(sizes)} ({'lower and upper estimate' if len(sizes) > 1 else 'both estimates'})"
         yield f"nearly all ({100 * NEARLY_ALL:g} %) slip there", text
         if self.trouble:
             yield "not known", self.trouble
@@ -107,12 +112,13 @@ def propose(case: Case, assembled: Assembled | None = None, threads: int | None 
     if onset.first is not None:
         last = onset.nearly_all
         excitation = MANY_SLIP * onset.first if last is None else math.sqrt(onset.first * last[1])
-    return Proposal(onset, onset.trouble, _range_around(peaks) if peaks else None, excitation)
+    below = BELOW_LOOSE if onset.is_loose else BEYOND_PEAKS
+    return Proposal(onset, onset.trouble, _range_around(peaks, below) if peaks else None, excitation)
 
 
-def _range_around(peaks_hz: list[float]) -> tuple[float, float]:
-    """A range around the peaks, whose ends are round numbers."""
-    low, high = (1.0 - BEYOND_PEAKS) * min(peaks_hz), (1.0 + BEYOND_PEAKS) * max(peaks_hz)
+def _range_around(peaks_hz: list[float], below: float) -> tuple[float, float]:
+    """A range around the peaks, from the fraction ``below`` below them, whose ends are round numbers."""
+    low, high = (1.0 - below) * min(peaks_hz), (1.0 + BEYOND_PEAKS) * max(peaks_hz)
     step = 10.0 ** math.floor(math.log10(high - low)) / 10.0
     return max(step * math.floor(low / step), step), step * math.ceil(high / step)
 

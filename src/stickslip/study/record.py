@@ -84,6 +84,7 @@ def study_record(
         mode_reference="" if case.reference is None else case.reference.source,
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *linear_natural_frequencies(response)),
         warnings=(*study_warnings(case, model.joint), *doubts, *_few_rows(model, response)),
+        notes=model.joint.layout.notes,
     )
 
 

@@ -176,5 +176,5 @@ def test_one_name_for_two_sets_is_reported(tmp_path: Path) -> None:
 def test_nodes_that_are_not_merged_are_counted(tmp_path: Path) -> None:
     """Both cubes as one body: the four nodes of each meet the four of the other, unjoined."""
     path = changed(tmp_path, "cubes.bdf", "CHEXA          2       2", "CHEXA          2       1")
-    messages = read_model(path, "mm").messages
+    messages = read_model(path, "mm").doubts
     printed_sentence("\n".join(messages), "lower")

@@ -86,7 +86,7 @@ def test_points_without_effect(tmp_path: Path) -> None:
     """Grid 99 belongs to no solid; component 5 is a rotation."""
     model = nastran(tmp_path, "GRID,99,,0.,0.,50.\nCONM2,50,99,,2.-6\nCELAS2,60,5.,99,2\nCELAS2,61,5.,16,5")
     assert model.attachments is None
-    printed_sentence("\n".join(model.messages), "no solid")
+    printed_sentence("\n".join([*model.messages, *model.doubts]), "no solid")
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from assembly_deck import assembly_deck
 from model_writers import VTK_TO_NASTRAN
 from sentences import printed_sentence
 from stickslip.formats.meshes.read import read_model
 from stickslip.structure.constraints import Constraints, eliminate
 from stickslip.structure.mesh import Mesh
+from stickslip.structure.tied_parts import supported_groups
 from tied_decks import frequencies_of, frequencies_of_calculix, two_blocks, write_deck
 
 MESH = two_blocks()
@@ -184,5 +186,20 @@ def test_messages_report_ties_values_and_solids(tmp_path: Path) -> None:
     write_deck(
         two := path, two_blocks(0.2e-3), f"*TIE, NAME=t\nsupper, slower\n{spring}*BOUNDARY\n{TOP[2]}, 1, 1, 0.5\n"
     )
-    words = "\n".join(read_model(two, "m").messages)
+    model = read_model(two, "m")
+    words = "\n".join([*model.messages, *model.doubts])
     printed_sentence(words, f"{MESH.node_sets['upper'].size} nodes of 'supper'", "0.2 mm", "20 of 21", "1 SPRINGA")
+
+
+def test_a_rigid_coupling_holds_no_rigid_motion(tmp_path: Path) -> None:
+    """Equations that all rigid motions satisfy leave round-off, which counts as no constraint: the plate at the
+    reference point keeps its six motions, and its node set names the reference node."""
+    path = tmp_path / "deck.inp"
+    path.write_text(assembly_deck(), encoding="utf-8")
+    model = read_model(path, "mm")
+    assert model.equations is not None
+    assert dict(model.reference_sets) == {"Load point": 3001}
+    assert not [words for words in model.messages if "Load point" in words]
+    tied = eliminate(model.equations, model.fixed_unknowns)
+    assert [group.free for group in supported_groups(model.mesh, model.fixed_unknowns, tied)] == [0, 6]
+    printed_sentence(next(words for words in model.messages if "*DSLOAD" in words))

@@ -68,3 +68,22 @@ def test_what_is_not_known_has_a_reason() -> None:
     at_rest = slip_onset(structure, still, excitation, ROW, modal_damping_ratio=RATIO)
     assert at_rest.first is None
     printed_sentence(at_rest.trouble)
+
+
+def test_a_mass_that_only_contact_holds_has_no_peak_without_contact() -> None:
+    """Two masses joined by a spring, with a pair between the first one and the ground: free, both move as one body."""
+    inner, ground = 9e6, 1e6
+    stiffness = np.array([[inner, -inner], [-inner, inner]])
+    structure = ss.Superelement(np.eye(2), stiffness)
+    pairs = ss.ContactPairs([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]], 1e6, ground, 0.3, LIMIT / 0.3)
+    excitation = ss.Excitation.force([0.0, FORCE])
+    onset = slip_onset(structure, pairs, excitation, [0.0, 1.0], modal_damping_ratio=RATIO)
+    stuck = np.sqrt(np.linalg.eigvalsh(stiffness + np.diag([ground, 0.0]))[0] * (1.0 - 2.0 * RATIO**2))
+    assert onset.is_loose
+    assert onset.free_peak is None
+    assert onset.stuck_peak is not None
+    assert onset.stuck_peak.frequency_hz == pytest.approx(stuck / (2.0 * np.pi), rel=2e-3)
+    # held by a spring of its own it is no longer loose
+    held = ss.Superelement(np.eye(2), stiffness + np.diag([0.0, 1e5]))
+    assert not slip_onset(held, pairs, excitation, [0.0, 1.0], modal_damping_ratio=RATIO).is_loose
+    assert not slip_onset(*problem(), ROW, modal_damping_ratio=RATIO).is_loose

@@ -122,6 +122,12 @@ class _Reader:
         sections = [(card.instance, replace(body, axes=self._materials.axes(card))) for card, body in self._sections]
         raw.bodies = _named_bodies(sections or self._bodies_of_blocks())
         self._loads.report()
+        loads = [f"*{keyword}" for keyword in ("DLOAD", "DSLOAD") if self._skipped.pop(keyword, 0)]
+        if loads:
+            raw.messages.append(
+                f"loads of {' and '.join(loads)} are not read: if a solved preload needs them, give [pressures.NAME], "
+                "[gravity] or [rotation] in the study."
+            )
         if self._skipped:
             words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._skipped.items())
             raw.messages.append(f"ignored, without effect here: {words}.")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import scipy.spatial
@@ -19,6 +19,7 @@ from stickslip.formats.meshes.raw_contacts import GROUND, RawContact
 from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.formats.meshes.unit_systems import UnitSystem
 from stickslip.structure.cell_kinds import IntArray
+from stickslip.structure.equations import Equations
 from stickslip.structure.mesh import CellBlock, Mesh
 from stickslip.structure.model_facts import connected_parts, model_oddities
 
@@ -51,7 +52,7 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
     blocks = [*zip(raw.blocks, cells, strict=True)]
     require_sound_elements(raw, points, blocks)
     element_labels = np.concatenate([block.labels for block in raw.blocks])
-    messages = [*raw.messages, *_solid_share(raw)]
+    messages, doubts = [*raw.messages], [*_solid_share(raw)]
     names, body = _bodies(raw, cells, element_labels)
     ends = np.cumsum([len(block.labels) for block in raw.blocks])[:-1]
     cell_blocks = tuple(
@@ -59,13 +60,16 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
         for (block, numbers), part in zip(blocks, np.split(body, ends), strict=True)
     )
     faces, face_nodes = build_face_sets(raw, labels, element_labels, cell_blocks, messages)
-    elements = _members(raw, "element", raw.element_sets, element_labels, messages)
-    nodes = _members(raw, "node", raw.node_sets, labels, messages)
+    elements = _members(raw, "element", raw.element_sets, element_labels)
+    nodes = _members(raw, "node", raw.node_sets, labels)
     mesh = Mesh(points, tuple(cells), body, nodes | face_nodes, names, faces, elements)
     messages += _clashes(mesh, nodes, face_nodes)
     materials = build_materials(raw, units, temperature, names, messages)
-    messages += _parts(mesh)
-    equations = build_equations(raw, labels, mesh, units.length, messages)
+    doubts += _parts(mesh)
+    equations = build_equations(raw, labels, mesh, units.length, messages, doubts)
+    reference_sets = _reference_sets(raw, equations)
+    messages += _without_solids("element", raw.element_sets, elements)
+    messages += _without_solids("node", raw.node_sets, {**nodes, **reference_sets})
     numbers = _NodeNumbers(raw, labels)
     return ImportedModel(
         mesh=mesh,
@@ -80,9 +84,11 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
         fixed_unknowns=_fixed(raw, numbers, len(labels)),
         node_forces=_forces(raw, units, numbers, len(labels)),
         equations=equations,
-        attachments=build_points(raw, units, numbers.of, len(labels), messages),
+        reference_sets=reference_sets,
+        attachments=build_points(raw, units, numbers.of, len(labels), doubts),
         contacts=tuple(_contacts(raw, mesh, messages)),
         messages=tuple(messages),
+        doubts=tuple(doubts),
         warnings=tuple(odd.sentence for odd in model_oddities(mesh, materials)),
     )
 
@@ -154,10 +160,8 @@ def _bodies(raw: RawModel, cells: list[IntArray], element_labels: IntArray) -> t
     return tuple(names), body
 
 
-def _members(
-    raw: RawModel, what: str, sets: dict[str, IntArray], labels: IntArray, messages: list[str]
-) -> dict[str, IntArray]:
-    """Sets by number of node or element; sets without any solid element are dropped with a message."""
+def _members(raw: RawModel, what: str, sets: dict[str, IntArray], labels: IntArray) -> dict[str, IntArray]:
+    """Sets by number of node or element, without those that have none of a solid element."""
     order = np.argsort(labels)
     answer = {}
     for name, members in sets.items():
@@ -167,9 +171,22 @@ def _members(
         numbers = order[place][labels[order[place]] == members]
         if numbers.size:
             answer[name] = np.unique(numbers)
-        else:
-            messages.append(f"{what} set '{name}' contains no {what} of a solid element; it is ignored.")
     return answer
+
+
+def _reference_sets(raw: RawModel, equations: Equations | None) -> dict[str, int]:
+    """Name -> label of the node sets that are one reference node."""
+    if equations is None:
+        return {}
+    single = {name: int(nodes[0]) for name, nodes in raw.node_sets.items() if np.unique(nodes).size == 1}
+    return {name: label for name, label in single.items() if label in equations.places}
+
+
+def _without_solids(what: str, sets: dict[str, IntArray], used: Mapping[str, object]) -> Iterator[str]:
+    """Messages on the sets that a study cannot use."""
+    for name in sets:
+        if name not in used:
+            yield f"{what} set '{name}' contains no {what} of a solid element; it is ignored."
 
 
 def _clashes(mesh: Mesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArray]) -> list[str]:

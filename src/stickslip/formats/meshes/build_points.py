@@ -16,9 +16,10 @@ Numbers = Callable[[IntArray, int], IntArray]
 
 
 def build_points(
-    raw: RawModel, units: UnitSystem, numbers: Numbers, n_nodes: int, messages: list[str]
+    raw: RawModel, units: UnitSystem, numbers: Numbers, n_nodes: int, doubts: list[str]
 ) -> Attachments | None:
-    """Mass points and springs at nodes of solids; None without any. A message reports those at other nodes.
+    """Mass points and springs at nodes of solids; None without any. ``doubts`` gets a sentence on those at other
+    nodes.
 
     Raises ImportFileError for a mass or stiffness below 0, and for a node that does not exist.
     """
@@ -45,12 +46,12 @@ def build_points(
         stiffnesses += [units.mass / units.time**2 * spring.stiffness] * nodes.size
         lost_springs += spring.nodes.size - nodes.size
     if lost_mass:
-        messages.append(
+        doubts.append(
             f"mass points with {lost_mass:.6g} kg in all are at nodes that belong to no solid (reference nodes of "
             "couplings, for example); stickslip does not read these. Add the mass to the density of a solid."
         )
     if lost_springs:
-        messages.append(f"{lost_springs} springs end at nodes that belong to no solid; stickslip does not read these.")
+        doubts.append(f"{lost_springs} springs end at nodes that belong to no solid; stickslip does not read these.")
     if not masses.any() and not springs:
         return None
     ends = np.array(springs, dtype=np.int64).reshape(-1, 2)

@@ -16,9 +16,10 @@ from stickslip.structure.mesh import Mesh
 
 
 def build_equations(
-    raw: RawModel, labels: IntArray, mesh: Mesh, length: float, messages: list[str]
+    raw: RawModel, labels: IntArray, mesh: Mesh, length: float, messages: list[str], doubts: list[str]
 ) -> Equations | None:
     """Equations in m of all ties of a file; None without any. ``labels`` (n_nodes,) are those of the mesh.
+    A tie adds a sentence to ``messages``, to ``doubts`` if nodes of it remain free.
 
     Raises ImportFileError that names the line of a tie with a node or a face that does not exist, of a displacement
     that depends twice, and of a coupling without rotation.
@@ -34,7 +35,9 @@ def build_equations(
         writer.distributing(coupling)
     for equation in raw.ties.equations:
         writer.equation(equation)
-    messages += [writer.tie(tie) for tie in raw.ties.faces]
+    for tie in raw.ties.faces:
+        sentence, is_complete = writer.tie(tie)
+        (messages if is_complete else doubts).append(sentence)
     writer.fix()
     return writer.equations
 
@@ -49,8 +52,8 @@ class _Writer:
         self._size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
         self.equations = Equations(mesh.n_nodes)
 
-    def tie(self, tie: RawTie) -> str:
-        """Tie the nodes of a set to a face; returns a message with their number."""
+    def tie(self, tie: RawTie) -> tuple[str, bool]:
+        """Tie the nodes of a set to a face; returns a message with their number, and whether no other one is left."""
         raw, mesh = self._raw, self._mesh
         nodes = mesh.node_sets.get(tie.dependent, np.empty(0, dtype=np.int64))
         if tie.independent not in mesh.face_sets:
@@ -68,7 +71,8 @@ class _Writer:
                 tie.line,
             )
         before = add_tie(self.equations, self._owner(tie), tied)
-        return f"{raw.where(tie.line)}: {tie.what}: {tied.words(tie.dependent, tie.independent, before)}."
+        words = f"{raw.where(tie.line)}: {tie.what}: {tied.words(tie.dependent, tie.independent, before)}."
+        return words, not tied.untied.size
 
     def equation(self, equation: RawEquation) -> None:
         """Write one equation."""

@@ -43,12 +43,17 @@ class ImportedModel:
         ties, rigid bodies, couplings and equations of the file, None without any.
     contacts:
         contact pairs of the file between faces of the mesh; a study may take them over as joints.
+    reference_sets:
+        node set of the file that is one reference node of ``equations`` -> its number.
     attachments:
         mass points and springs of the file, None without any.
     length_unit, unit_system:
         units of the numbers of the file.
     messages:
-        messages on ignored entries and assumptions.
+        notes on what was read, on entries without effect, and on assumptions.
+    doubts:
+        messages on what the model lacks here, or may not intend: parts that are not connected, elements and masses that
+        are not read, nodes that a tie leaves free.
     warnings:
         messages on sizes, densities, moduli and masses that only wrong units can explain.
     """
@@ -66,8 +71,10 @@ class ImportedModel:
     label_ranges: tuple[LabelRange, ...] = ()
     equations: Equations | None = None
     contacts: tuple[RawContact, ...] = ()
+    reference_sets: Mapping[str, int] = field(default_factory=dict)
     attachments: Attachments | None = None
     messages: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
     __repr__ = short_repr

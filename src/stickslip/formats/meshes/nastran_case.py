@@ -60,10 +60,9 @@ def active_entries(
     if not chosen:
         if len(sets) > 1 or (sets and case.exists) or combined:
             no_sum = f", without the factors of {_COMBINATION[what]} {next(iter(combined))}" if combined else ""
-            raw.messages.append(
-                f"the case control selects no {what}, so stickslip uses the entries of all {len(sets)} sets "
-                f"({', '.join(map(str, sets))}) together{no_sum}."
-            )
+            numbers = ", ".join(map(str, sets))
+            used = f"the entries of all {len(sets)} sets ({numbers}) together" if len(sets) > 1 else f"set {numbers}"
+            raw.messages.append(f"the case control selects no {what}, so stickslip uses {used}{no_sum}.")
         return [entry for entries in sets.values() for entry in entries]
     if len(chosen) > 1:
         raw.messages.append(

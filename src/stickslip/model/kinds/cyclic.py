@@ -130,10 +130,15 @@ class CyclicKind(OwnKind[CyclicCase]):
             require_support(mesh, symmetry.own_nodes(layout.face_pairs.nodes), fixed, None, source)
             _require_free(symmetry, pairings, groups, fixed, source)
         free = () if case.rotation is None else free_body_messages(mesh, fixed)
-        messages = (*source.messages, *layout.messages, *free)
+        messages = (*source.doubts, *layout.messages, *free)
         blade = None if case.mistuning is None else blade_nodes(case.mistuning, mesh, symmetry.sectors)
         layout = replace(
-            layout, odd_values=odd_values, messages=messages, body_names=mesh.body_names, blade_nodes=blade
+            layout,
+            odd_values=odd_values,
+            messages=messages,
+            notes=source.messages,
+            body_names=mesh.body_names,
+            blade_nodes=blade,
         )
         element: Hexahedron = "incompatible"
         if isinstance(section, SectorMeshSection) and section.element is not None:

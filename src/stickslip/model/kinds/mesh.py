@@ -108,10 +108,13 @@ class MeshSetup:
             *bodies,
             ("face sets", ", ".join(sorted(mesh.face_sets)) or "none"),
             ("other sets", ", ".join(others) or "none"),
-            ("constrained displacements", f"{self.fixed_unknowns.size}"),
+            ("constrained displacements", f"{self._zero_unknowns().size}"),
             *(() if self.attachments is None else self.attachments.sizes()),
             *self._tied(),
         )
+
+    def _zero_unknowns(self) -> IntArray:
+        return self.fixed_unknowns if self.constraints is None else self.constraints.zero_unknowns
 
     def _tied(self) -> tuple[tuple[str, str], ...]:
         if self.constraints is None:
@@ -267,8 +270,7 @@ def _layout(
     require_support(mesh, pairs.nodes, supported, constraints, source)
     _require_free(named, node_groups, fixed, source)
     messages = (
-        *source.messages,
-        *_unused_forces(source),
+        *source.doubts,
         *(() if case.rotation is None else free_body_messages(mesh, supported, constraints)),
         *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
     )
@@ -284,6 +286,7 @@ def _layout(
         mesh.body_names,
         tuple((each.first,) if each.second == GROUND else (each.first, each.second) for each in pairings),
         odd_values,
+        notes=(*source.messages, *_unused_forces(source)),
         file_numbers=(source.node_labels, source.element_labels),
     )
 
@@ -330,7 +333,14 @@ def node_groups_of(case: SolidCase, source: ImportedModel) -> dict[str, NodeGrou
 
 
 def _is_reference(source: ImportedModel, section: PlaceSection) -> bool:
-    return section.node is not None and source.equations is not None and section.node in source.equations.places
+    return source.equations is not None and _reference_label(source, section) in source.equations.places
+
+
+def _reference_label(source: ImportedModel, section: PlaceSection) -> int | None:
+    """The number of the node of a place, if it is given by number or by a set of one reference node."""
+    if section.set is not None and section.spread != "area":
+        return source.reference_sets.get(section.set)
+    return section.node
 
 
 def _following(
@@ -348,8 +358,9 @@ def _following(
         if name in groups:
             answer[name] = following_group(groups[name], source.mesh, constraints)
             continue
-        with named_entry(name), concerning(f"{name}.node"):
-            answer[name] = reference_group(int(section.node or 0), ties.equations, constraints)
+        with named_entry(name), concerning(f"{name}.{'node' if section.set is None else 'set'}"):
+            label = _reference_label(source, section)
+            answer[name] = reference_group(int(label or 0), ties.equations, constraints)
     return answer
 
 

@@ -37,6 +37,8 @@ from stickslip.structure.substructure import Substructure
 NEARLY_ALL = 0.95
 # chosen: peaks are searched from this fraction of the lowest natural frequency to this multiple of the MODES-th one.
 BELOW, BEYOND, MODES = 0.5, 1.2, 4
+# chosen: of the lowest natural frequency without contact. An output that only inertia holds there moves as 1/w^2.
+FAR_BELOW, GROWS = 0.01, 2.0
 # chosen: load steps of the quasi-static mode, and its highest motion over that at which nearly all would slip in the
 # shape of the stuck motion. Twice as many steps change the upper estimate by some percent.
 POINTS_PER_DECADE, HIGHEST_MOTION = 20, 30.0
@@ -50,12 +52,15 @@ class SlipOnset:
 
     stuck_peak, free_peak:
         highest peak of the output with all pairs that are closed at rest stuck, and without contact, m, infinite
-        without viscous damping; None where there is none among the first modes.
+        without viscous damping; None where there is none among the first modes. No free peak if ``is_loose``.
     first, nearly_all:
         excitation at the stuck peak, over that of the study, at which the first pair slips, and a lower and an upper
         estimate of that at which nearly all do (:data:`NEARLY_ALL`); None where it is not known.
     trouble:
         the reason why one of them is not known, else "".
+    is_loose:
+        whether without contact the excitation moves the output as a rigid body, as in a lap joint. Peaks without
+        contact are then those of other modes.
     """
 
     stuck_peak: Peak | None
@@ -63,6 +68,7 @@ class SlipOnset:
     first: float | None
     nearly_all: tuple[float, float] | None
     trouble: str = ""
+    is_loose: bool = False
 
 
 def slip_onset(
@@ -94,6 +100,24 @@ def slip_onset(
         next((each for each in limit.peaks(window, balances.force, row) if each.bracketed), None)
         for limit in (balances.closed, balances.free)
     )
+    is_loose = _moves_freely(balances, row)
+    if is_loose:
+        free = None
+    onset = _onset(balances, stuck, free, window, row)
+    return replace(onset, is_loose=is_loose)
+
+
+def _moves_freely(balances: CurveBalances, output: FloatArray) -> bool:
+    """Whether the response of an output without contact, over the force, grows as ``1/w^2`` towards zero frequency."""
+    omega = 2.0 * math.pi * FAR_BELOW * float(elastic_hz(balances.free)[0]) * np.array([1.0, 0.5])
+    motion = np.linalg.norm(output @ balances.free.response_to(omega, balances.force), axis=-1)
+    force = np.array([np.linalg.norm(balances.force.coefficients(each)) for each in omega])
+    return bool(motion[1] * force[0] > GROWS * motion[0] * force[1])
+
+
+def _onset(
+    balances: CurveBalances, stuck: Peak | None, free: Peak | None, window: tuple[float, float], row: FloatArray
+) -> SlipOnset:
     is_damped = bool(balances.closed.damping_ratio(window))
     if not is_damped:
         stuck, free = (each and replace(each, amplitude=math.inf) for each in (stuck, free))
