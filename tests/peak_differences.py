@@ -12,9 +12,9 @@ import stickslip as ss
 from stickslip.case.case import Case
 from stickslip.case.continuous_keys import continuous_keys
 from stickslip.results.peaks import peaks
+from stickslip.solve.gradients.peak_gradients import PeakSensitivity, RefinedPeak
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.peak_values import friction_energy
-from stickslip.solve.peak_gradients import PeakSensitivity, RefinedPeak
 from stickslip.solve.setting_up import Balances, prepare_balances
 from stickslip.solve.solver_input import SolverInput
 

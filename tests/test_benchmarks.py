@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -87,14 +88,38 @@ def test_a_motion_that_leaves_slowly_is_not_taken_for_one_that_stays(monkeypatch
 
     leaving = np.append(1.0, 1e-4 * 1.05 ** np.arange(80))
     settling = np.append(1.0, leaving[:0:-1])
-    assert stability_check.has_grown(leaving)
-    assert stability_check.has_grown(np.append(leaving, settling[1:]))  # on another motion at the end
-    assert stability_check.has_grown(np.append(settling, leaving[1:60]))  # an error of the start that decays before
+    assert stability_check.has_left(leaving)
+    assert stability_check.has_left(np.append(leaving, settling[1:]))  # on another motion at the end
+    assert stability_check.has_left(np.append(settling, leaving[1:60]))  # an error of the start that decays before
     quick = np.append(1.0, np.append(1e-4 * 2.0 ** np.arange(8), 1e-2 * 0.5 ** np.arange(72)))
-    assert stability_check.has_grown(quick)  # within a tenth of the time
-    assert not stability_check.has_grown(settling)
-    assert not stability_check.has_grown(np.append(leaving[:40], settling[40:]))  # 5 times as large for a while
-    assert not stability_check.has_grown(np.array([1.0, 1e-8, 1e-9, 5e-8]))
+    assert stability_check.has_left(quick)  # within a tenth of the time
+    assert not stability_check.has_left(settling)
+    assert not stability_check.has_left(np.append(leaving[:40], settling[40:]))  # 5 times as large for a while
+    assert not stability_check.has_left(np.array([1.0, 1e-8, 1e-9, 5e-8]))
+    rattling = np.append(1.0, 0.008 + 0.001 * np.sin(np.arange(400)))
+    assert stability_check.has_left(rattling)  # it never repeats
+    assert not stability_check.has_left(0.5 * rattling)
+
+
+def test_the_time_of_the_comparison_follows_from_the_multiplier_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disturbance of narrow 6 with the multiplier 1.0001 needs 80,000 periods: 400 of them show nothing."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import stability_check
+
+    required = stability_check.periods_required
+    assert required(1.05) == required(1.0 / 1.05) == required(-1.05) == required(1.05j)
+    assert 1.05 ** required(1.05) == pytest.approx(stability_check.GROWTH, rel=0.05)
+    assert required(3.0) == required(0.0) == stability_check.LEAST_PERIODS
+    assert required(1.0) > required(1.0001) > stability_check.MOST_PERIODS
+
+    slow = stability_check.Checked("", "", 226.607, 1.0001, False, False, apart=1e-4, away=0.01, leaves=False)
+    assert (slow.outcome, slow.contradicts) == ("cannot tell", False)
+    assert replace(slow, leaves=True).outcome == "leaves"
+    assert replace(slow, stable=True, leaves=True).contradicts
+    assert replace(slow, away=0.2).outcome == "another motion"
+    quick = replace(slow, multiplier=1.05)
+    assert (quick.outcome, quick.contradicts) == ("dies out", True)
+    assert replace(quick, apart=0.01).outcome == "unclear"
 
 
 def test_bolts_press_with_their_force_and_asperities_share_it(monkeypatch: pytest.MonkeyPatch) -> None:

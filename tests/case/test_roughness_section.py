@@ -45,6 +45,29 @@ def test_a_given_scale_replaces_the_default_one() -> None:
         roughness('sq = "2 um"\nfractal_roughness = "1e-9 m"')
 
 
+def test_a_given_slope_replaces_the_default_shortest_wave() -> None:
+    section = roughness('sq = "1.2 um"\nsdq = 0.07')
+    assert (section.sdq, section.shortest_length) == (0.07, None)
+    assert roughness("").shortest_length == 1e-6
+    case = Case.from_text("[roughness]\nsdq = 0.07\n")
+    assert Case.from_text(case.to_text()) == case
+    assert Case().replace({"roughness.sdq": 0.07}).roughness == case.roughness
+
+
+@pytest.mark.parametrize(
+    "lines", ['shortest_length = "1 um"', 'fractal_roughness = "1e-9 m"'], ids=["two shortest waves", "no sq"]
+)
+def test_a_slope_beside_a_key_that_it_replaces_is_rejected(lines: str) -> None:
+    with rejects(StudyFileError, "roughness.sdq"):
+        roughness(f"sdq = 0.07\n{lines}")
+
+
+@pytest.mark.parametrize("value", ["0", "-0.1", '"3 um"', "1e9"])
+def test_a_value_that_is_no_slope_is_rejected(value: str) -> None:
+    with rejects(StudyFileError, "roughness.sdq"):
+        roughness(f"sdq = {value}")
+
+
 @pytest.mark.parametrize("value", ["0", '"3 N"', "-1.0"])
 def test_a_factor_that_is_no_stiffness_is_rejected(value: str) -> None:
     with rejects(StudyFileError, "roughness.stiffness_factor"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,19 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from helpers import absent_tool
+from instrument_files import WRITERS
 from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.cli.main import app
 from stickslip.contact.stiffness import roughness_fit
 from stickslip.contact.stiffness.fractal import ContactStatus, fractal_contact
+from stickslip.contact.stiffness.surface import (
+    draw_phases,
+    fractal_roughness_from_sq,
+    fractal_surface,
+    frequency_count,
+)
 from stickslip.model.rough_face import case_material, case_roughness
 
 PROFILE = Path(__file__).parents[2] / "examples" / "data" / "profile.csv"
@@ -65,6 +74,26 @@ def test_options_reach_the_fit() -> None:
     result = invoke(PROFILE, "--scales", "10 um", "0.2 mm", "--longest-wave", "60 mm")
     assert result.exit_code == 0, result.output
     assert "10 um to 200 um" in result.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_simulations")
+@pytest.mark.filterwarnings("ignore:Could not import mpi4py:ImportWarning")  # SurfaceTopography does without
+@pytest.mark.parametrize("ending", ["sur", "opd", "al3d", "plu"])
+def test_files_of_instruments(ending: str, tmp_path: Path) -> None:
+    if find_spec("SurfaceTopography") is None:
+        absent_tool("SurfaceTopography", 'pip install "stickslip[topography]".')
+    y, x = np.meshgrid(2e-6 * np.arange(100), 1e-6 * np.arange(120), indexing="ij")
+    scale = fractal_roughness_from_sq(1e-6, 2.3, 2e-4, 2e-6)
+    heights = fractal_surface(x, y, 2.3, scale, 2e-4, 10, draw_phases(3, 10, frequency_count(2e-4, 2e-6)))
+    heights[40:42, 60] = np.nan
+    result = invoke(WRITERS[ending](tmp_path / f"face.{ending}", heights, (2e-6, 1e-6)))
+    assert result.exit_code == 0, result.output
+    for words in ("120 by 100 at 1 um by 2 um, 120 um by 200 um", "2, filled from their edges", "form removed"):
+        assert words in result.stdout
+    values = Case.from_text(result.stdout.split("For the study file:\n")[1]).roughness
+    assert values is not None
+    assert 2.2 < values.fractal_dimension < 2.4
 
 
 @pytest.mark.slow

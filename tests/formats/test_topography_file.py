@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import struct
 import sys
-import zipfile
-from hashlib import md5
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,24 +11,12 @@ import pytest
 
 import stickslip as ss
 from helpers import absent_tool
+from instrument_files import WRITERS, write_x3p
 from sentences import rejects
 from stickslip.formats.topography_file import Topography, is_topography, read_topography
 
 # NuMPI, which SurfaceTopography uses, warns that MPI is not installed.
 pytestmark = pytest.mark.filterwarnings("ignore:Could not import mpi4py:ImportWarning")
-
-X3P = """<?xml version="1.0" encoding="UTF-8"?>
-<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2"><Record1><Revision>ISO5436 - 2000</Revision>
-<FeatureType>SUR</FeatureType><Axes>
-<CX><AxisType>I</AxisType><DataType>D</DataType><Increment>{x}</Increment><Offset>0</Offset></CX>
-<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>{y}</Increment><Offset>0</Offset></CY>
-<CZ><AxisType>A</AxisType><DataType>D</DataType></CZ></Axes></Record1>
-<Record2><Date>2026-01-01T00:00:00</Date><Instrument><Manufacturer>none</Manufacturer><Model>none</Model>
-<Serial>none</Serial><Version>0</Version></Instrument><CalibrationDate>2026-01-01T00:00:00</CalibrationDate>
-<ProbingSystem><Type>NonContacting</Type><Identification>none</Identification></ProbingSystem></Record2>
-<Record3><MatrixDimension><SizeX>{nx}</SizeX><SizeY>{ny}</SizeY><SizeZ>1</SizeZ></MatrixDimension>
-<DataLink><PointDataLink>bindata/data.bin</PointDataLink><MD5ChecksumPointData>{sum}</MD5ChecksumPointData></DataLink>
-</Record3><Record4><ChecksumFile>md5checksum.hex</ChecksumFile></Record4></p:ISO5436_2>"""
 
 
 @pytest.fixture
@@ -40,58 +25,39 @@ def package() -> None:
         absent_tool("SurfaceTopography", 'pip install "stickslip[topography]".')
 
 
-def write_x3p(path: Path, heights: np.ndarray, spacing: tuple[float, float]) -> Path:
-    """A file of ISO 25178-72 with heights (n_y, n_x) in m; NaN is a missing point."""
-    data = heights.astype("<f8").tobytes()
-    text = X3P.format(
-        x=spacing[1], y=spacing[0], nx=heights.shape[1], ny=heights.shape[0], sum=md5(data).hexdigest().upper()
-    )
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("main.xml", text)
-        archive.writestr("bindata/data.bin", data)
-        archive.writestr("md5checksum.hex", f"{md5(text.encode()).hexdigest()} *main.xml")
-    return path
-
-
-def write_gwy(path: Path, heights: np.ndarray, spacing: tuple[float, float]) -> Path:
-    """A file of Gwyddion with heights (n_y, n_x) in m, by the chapter "Gwyddion native format" of its user guide."""
-
-    def item(name: str, kind: str, data: bytes) -> bytes:
-        return name.encode() + b"\0" + kind.encode() + data
-
-    def thing(name: str, *items: bytes) -> bytes:
-        body = b"".join(items)
-        return name.encode() + b"\0" + struct.pack("<I", len(body)) + body
-
-    metre = thing("GwySIUnit", item("unitstr", "s", b"m\0"))
-    field = [
-        *(item(f"{axis}res", "i", struct.pack("<i", count)) for axis, count in zip("yx", heights.shape, strict=True)),
-        *(
-            item(f"{axis}real", "d", struct.pack("<d", count * step))
-            for axis, count, step in zip("yx", heights.shape, spacing, strict=True)
-        ),
-        *(item(f"si_unit_{axes}", "o", metre) for axes in ("xy", "z")),
-        item("data", "D", struct.pack("<I", heights.size) + heights.astype("<f8").tobytes()),
-    ]
-    entries = item("/0/data", "o", thing("GwyDataField", *field)), item("/0/data/title", "s", b"height\0")
-    path.write_bytes(b"GWYP" + thing("GwyContainer", *entries))
-    return path
-
-
 def bumps(rows: int = 60, columns: int = 90) -> np.ndarray:
     """Waves of 1 um without any tilt or curvature over the map."""
     y, x = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
     return np.asarray(1e-6 * np.cos(2 * np.pi * x / 9) * np.cos(2 * np.pi * y / 6))
 
 
+def leaning() -> np.ndarray:
+    """Waves that differ from their mirror images, so wrong axes or signs show."""
+    y, x = np.meshgrid(np.arange(60), np.arange(91), indexing="ij")
+    return np.asarray(0.3e-6 * np.sin(2 * np.pi * (x + 2 * y) / 13) + 1e-6 * np.cos(2 * np.pi * x / 9) ** 4)
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("package")
-def test_a_file_of_gwyddion_has_its_own_units_and_axes(tmp_path: Path) -> None:
-    found = read_topography(write_gwy(tmp_path / "face.gwy", bumps(), (2e-6, 1e-6)))
-    assert found.heights.shape == (60, 90)
-    assert found.spacing == pytest.approx((2e-6, 1e-6))
+@pytest.mark.parametrize("ending", WRITERS)
+def test_files_of_instruments_have_their_own_units_and_axes(ending: str, tmp_path: Path) -> None:
+    given = leaning()
+    found = read_topography(WRITERS[ending](tmp_path / f"face.{ending}", given, (2e-6, 1e-6)))
+    assert found.heights.shape == given.shape
+    assert found.spacing == pytest.approx((2e-6, 1e-6), rel=1e-6)  # .opd has single precision
     assert found.missing == 0
-    assert found.heights == pytest.approx(bumps(), abs=0.02e-6)
+    assert found.heights == pytest.approx(given - given.mean(), abs=0.05e-6)  # the form takes some of the waves
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("package")
+@pytest.mark.parametrize("ending", ["sur", "opd", "al3d", "plu"])
+def test_each_format_marks_missing_points_in_its_own_way(ending: str, tmp_path: Path) -> None:
+    given = leaning()
+    given[20:22, 30:33] = np.nan
+    found = read_topography(WRITERS[ending](tmp_path / f"face.{ending}", given, (1e-6, 1e-6)))
+    assert found.missing == 6
+    assert np.abs(found.heights).max() < 1.3e-6
 
 
 @pytest.mark.slow

@@ -118,12 +118,16 @@ def test_a_damper_without_constraint_keeps_its_stiffness_at_rest() -> None:
         build_model(case.replace({"rotation.coriolis": True}))
 
 
+def coarse_blades(speed: str) -> Case:
+    content = copy.deepcopy(EXAMPLES["two-blade"])
+    content["rotation"] = {"speed": speed, "axis": [0, 1, 0], "point": ["0 mm", "0 mm", "-300 mm"]}
+    content["mesh"] = {"airfoil_rows": 12, "chordwise": 4, "shank_rows": 5, "contact_columns": 2}
+    return Case.from_mapping(content)
+
+
 @pytest.mark.slow
 def test_two_blades_at_a_speed_have_the_frequencies_of_one_blade_alone() -> None:
-    content = copy.deepcopy(EXAMPLES["two-blade"])
-    content["rotation"] = {"speed": "3000 rpm", "axis": [0, 1, 0], "point": ["0 mm", "0 mm", "-300 mm"]}
-    content["mesh"] = {"airfoil_rows": 12, "chordwise": 4, "shank_rows": 5, "contact_columns": 2}
-    case = Case.from_mapping(content)
+    case = coarse_blades("3000 rpm")
     setup = set_up(case)
     assert isinstance(setup, TwoBladeSetup)
     mesh: Any = setup.mesh
@@ -316,10 +320,7 @@ def test_the_stress_at_rest_is_that_of_the_centrifugal_load(tmp_path: Path) -> N
 @pytest.mark.slow
 def test_a_free_damper_at_rest_is_nearly_that_of_a_stuck_contact() -> None:
     """Against the static state with stuck contact: the damper stresses the blades, and has its own softening."""
-    content = copy.deepcopy(EXAMPLES["two-blade"])
-    content["rotation"] = {"speed": "9000 rpm", "axis": [0, 1, 0], "point": ["0 mm", "0 mm", "-300 mm"]}
-    content["mesh"] = {"airfoil_rows": 12, "chordwise": 4, "shank_rows": 5, "contact_columns": 2}
-    case = Case.from_mapping(content)
+    case = coarse_blades("9000 rpm")
     setup, speed = set_up(case), 9000.0 * RPM
     assert isinstance(setup, TwoBladeSetup)
     joint, mesh = load_joint(case, setup.layout), setup.mesh

@@ -13,6 +13,7 @@ from stickslip.model.joint import Joint
 from stickslip.model.model import load_joint, set_up
 from stickslip.model.rough_face import case_material, case_roughness
 from stickslip.study.facts import derived_quantities, study_warnings
+from stickslip.study.figure_process import rough_patch
 
 SMOOTH: dict[str, object] = {"roughness.fractal_roughness": "1e-12 m"}
 
@@ -99,6 +100,36 @@ def test_sq_in_place_of_g() -> None:
         TwoBladeCase.from_text('[roughness]\nsq = "1.2 um"\nfractal_roughness = "1e-8 m"\n')
     with rejects(ss.StudyFileError, "roughness.sq"):
         TwoBladeCase().replace({"roughness.sq": "0 um"})
+
+
+def test_measured_sq_and_sdq_are_those_of_the_surface() -> None:
+    case = TwoBladeCase.from_text('[roughness]\nsq = "1.2 um"\nsdq = 0.07\nsample_length = "0.8 mm"\n')
+    joint = load_joint(case, set_up(case).layout)
+    found = {name: value for name, value, _, _ in derived_quantities(case, joint)}
+    assert found["Sq"] == pytest.approx(1.2, rel=1e-9)
+    assert found["Sdq"] == pytest.approx(0.07, rel=1e-9)
+    rough = case_roughness(case, *[case_material(case)] * 2)
+    known = rough.hardness, rough.reduced_modulus, rough.poisson_ratio
+    assert rough == ss.roughness_of_heights(1.2e-6, 0.07, 0.8e-3, *known)
+    assert rough.shortest_length is not None
+    assert found["Shortest wave"] == pytest.approx(1e6 * rough.shortest_length)
+    area, load = joint.face_sum(joint.face_pairs.area)[0], joint.face_sum(joint.preload)[0]
+    wanted = ss.contact_stiffness(rough, load, area=area)
+    assert joint.face_sum(joint.normal_stiffness)[0] == pytest.approx(wanted.normal, rel=1e-9)
+    patch = rough_patch(case, (4, 6))
+    assert patch is not None
+    assert (patch.sq, patch.sdq) == pytest.approx((1.2e-6, 0.07), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"roughness.sdq": 1e-4}, {"roughness.sdq": 5.0}, {"roughness.sdq": 0.5, "roughness.sq": "0.5 um"}],
+    ids=["below one wave", "beyond all waves", "waves below atoms"],
+)
+def test_a_slope_that_no_surface_of_this_height_has(changes: dict[str, object]) -> None:
+    case = TwoBladeCase().replace(changes)
+    with rejects(ss.InputError, "roughness.sdq"):
+        load_joint(case, set_up(case).layout)
 
 
 def test_a_constant_stiffness_per_area() -> None:

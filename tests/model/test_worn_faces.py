@@ -54,6 +54,15 @@ def test_a_face_runs_in_with_its_mean_depth(law: str) -> None:
     assert normal[pairs.face == 0].sum() > 1.5 * normal[pairs.face == 1].sum()
 
 
+def test_the_slope_of_a_face_that_runs_in_falls_with_its_height() -> None:
+    """Sdq is proportional to Sq where the waves remain, so the smooth face has the same waves."""
+    faces, load = worn_faces((0.5e-6, 2e-6), sdq=0.1)
+    normal, _ = faces.stiffness(load, np.full(load.size, 3e-6))
+    sq = 0.5e-6 + 1.5e-6 * math.exp(-1.5)
+    _, smooth = joint_of(sq=sq, sdq=0.1 * sq / 2e-6)
+    assert normal == pytest.approx(smooth.normal_stiffness, rel=1e-6)
+
+
 def test_pairs_with_their_own_pressure_follow_their_load() -> None:
     faces, load = worn_faces(allocation="pressure")
     normal, _ = faces.stiffness(2.0 * load, np.zeros(load.size))

@@ -88,9 +88,15 @@ class RoughnessSection(Section):
         default=0.0008, description="longest wave of the surface; longer ones are form, as behind the cut-off of Sq"
     )
     # Atoms of metals are 0.25 nm apart.
-    shortest_length: Annotated[
-        float, Quantity("length", shown="um", at_least=1e-10, at_most=3.0, usual=(1e-9, 1e-2), example='"1 um"')
-    ] = Field(default=1e-6, description="shortest wave of the surface")
+    shortest_length: (
+        Annotated[
+            float, Quantity("length", shown="um", at_least=1e-10, at_most=3.0, usual=(1e-9, 1e-2), example='"1 um"')
+        ]
+        | None
+    ) = Field(default=1e-6, description="shortest wave of the surface", validate_default=True)
+    sdq: Annotated[float, Quantity("pure number", at_least=1e-9, at_most=10.0)] | None = Field(
+        default=None, description="root mean square slope measured with sq, instead of shortest_length", examples=[0.05]
+    )
     ridges: Annotated[int, Count(at_least=1, at_most=1000)] = Field(default=10, description="directions of waves")
     seed: Annotated[int, Count(at_least=0, at_most=LARGEST_INTEGER)] = Field(
         default=1, description="of the random phases"
@@ -134,7 +140,7 @@ class RoughnessSection(Section):
     def _given_keys_replace_defaults(cls, data: Any) -> Any:
         if isinstance(data, Mapping) and "law" not in data and any(data.get(key) is not None for key in _OF_FRACTAL):
             data = {**data, "law": "fractal"}  # files of earlier versions have its keys without its name
-        return without_default(data, ("fractal_roughness",), "sq")
+        return without_default(without_default(data, ("fractal_roughness",), "sq"), ("sdq",), "shortest_length")
 
     @field_validator("fractal_dimension", mode="before")
     @classmethod
@@ -164,11 +170,20 @@ class RoughnessSection(Section):
 
     @field_validator("shortest_length")
     @classmethod
-    def _shorter_than_the_sample(cls, value: float, info: ValidationInfo) -> float:
+    def _shorter_than_the_sample(cls, value: float | None, info: ValidationInfo) -> float | None:
         longest = info.data.get("sample_length")
-        if longest is not None and value >= longest:
+        if longest is not None and value is not None and value >= longest:
             raise InputError(f"must be below sample_length = {longest:g} m: the surface has waves between the two.")
         return value
+
+    @field_validator("sdq")
+    @classmethod
+    def _one_end_of_the_waves(cls, value: float | None, info: ValidationInfo) -> Any:
+        if value is None and "shortest_length" in info.data and info.data["shortest_length"] is None:
+            raise InputError("or shortest_length must be given. Give exactly one of them.")
+        if value is not None and "sq" in info.data and info.data["sq"] is None:
+            raise InputError("requires sq: G and D already give the slope. Give sq instead of fractal_roughness.")
+        return instead_of(value, info, "shortest_length")
 
     @property
     def fractal_mode(self) -> FractalMode:

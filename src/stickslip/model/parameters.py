@@ -20,7 +20,7 @@ from stickslip.model.joint import Joint
 from stickslip.model.layout import Layout
 from stickslip.model.model import Model, build_model, connect, kind_of, load_joint, set_up
 from stickslip.model.study_structure import ReducedStructure, study_structure
-from stickslip.solve.parameters import STEP, Parameter
+from stickslip.solve.gradients.parameters import STEP, Parameter
 from stickslip.solve.solver_input import SolverInput
 from stickslip.structure.elasticity import Structure
 

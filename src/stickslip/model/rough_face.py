@@ -17,10 +17,11 @@ from stickslip.contact.stiffness.fractal import (
     fractal_contact,
     reduced_modulus,
 )
+from stickslip.contact.stiffness.measured_heights import waves_of_heights
 from stickslip.contact.stiffness.persson import PerssonStiffness
 from stickslip.contact.stiffness.scaled_law import ScaledStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
-from stickslip.contact.stiffness.surface import SurfaceStatistics, fractal_roughness_from_sq, surface_statistics
+from stickslip.contact.stiffness.surface import SurfaceStatistics, SurfaceWaves, surface_statistics
 from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.structure.elasticity import Material
 
@@ -57,9 +58,10 @@ def rough_face(roughness: Roughness, section: RoughnessSection, area: float, loa
     """A rough face of ``area`` (m2) under ``load`` (N): its fractal contact, and its law beside Persson's."""
     reference = section.reference_area or area
     pressure = load / area
+    waves = waves_of(section)
     return RoughFace(
         fractal_contact(roughness, pressure * reference, mode=section.fractal_mode, area=reference),
-        surface_statistics(roughness, section.sample_length, section.shortest_length),
+        surface_statistics(roughness, waves.longest, waves.shortest),
         reference,
         section.law,
         law_of_section(roughness, section, area),
@@ -106,30 +108,39 @@ def roughness_section(case: Case) -> RoughnessSection:
 def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
     """Roughness of a case that has one, between two bodies."""
     section = roughness_section(case)
+    waves = waves_of(section)
     return Roughness(
-        fractal_dimension=section.fractal_dimension,
-        fractal_roughness=fractal_roughness_of(section),
+        fractal_dimension=waves.fractal_dimension,
+        fractal_roughness=waves.fractal_roughness,
         hardness=section.hardness,
         reduced_modulus=reduced_modulus(
             first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
         ),
         poisson_ratio=_joint_poisson_ratio(first, second),
         domain_extension=section.domain_extension,
-        sample_length=section.sample_length,
-        shortest_length=section.shortest_length,
+        frequency_ratio=waves.ratio,
+        sample_length=waves.longest,
+        shortest_length=waves.shortest,
     )
 
 
-def fractal_roughness_of(section: RoughnessSection) -> float:
-    """G in m of [roughness]: as given, or that of the surface with the given Sq. Raises InputError."""
+def waves_of(section: RoughnessSection) -> SurfaceWaves:
+    """D, G and the waves of [roughness]: with G or Sq down to its shortest wave, or with Sq down to that of Sdq.
+
+    Raises InputError for values that no surface has together.
+    """
+    dimension, longest, shortest = section.fractal_dimension, section.sample_length, section.shortest_length
+    if section.sdq is not None and section.sq is not None:
+        with concerning("roughness.sdq"):
+            return waves_of_heights(section.sq, section.sdq, longest, dimension)
+    if shortest is None:
+        raise InputError("roughness.shortest_length or roughness.sdq must be given.", ("roughness.shortest_length",))
     if section.fractal_roughness is not None:
-        return section.fractal_roughness
+        return SurfaceWaves(dimension, section.fractal_roughness, longest, shortest)
     if section.sq is None:
         raise InputError("roughness.sq or roughness.fractal_roughness must be given.", ("roughness.sq",))
     with concerning("roughness.sq"):
-        return fractal_roughness_from_sq(
-            section.sq, section.fractal_dimension, section.sample_length, section.shortest_length
-        )
+        return SurfaceWaves(dimension, longest, longest, shortest).with_sq(section.sq)
 
 
 def _joint_poisson_ratio(first: Material, second: Material) -> float:

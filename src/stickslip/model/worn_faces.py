@@ -11,11 +11,11 @@ import numpy as np
 from stickslip.case.case import Case
 from stickslip.contact.preload import face_sum
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
-from stickslip.contact.stiffness.surface import fractal_roughness_from_sq, sq
+from stickslip.contact.stiffness.surface import sq
 from stickslip.core.errors import ConvergenceError, InputError, RoughnessError
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import FaceSettings, Joint, face_allocation, pair_springs
-from stickslip.model.rough_face import case_roughness, fractal_roughness_of, law_of_section, roughness_section
+from stickslip.model.rough_face import case_roughness, law_of_section, roughness_section, waves_of
 from stickslip.model.solved_preload import LOWEST_PRESSURE
 
 
@@ -35,9 +35,7 @@ class RunningIn:
     @classmethod
     def of(cls, case: Case, end: float, depth: float) -> RunningIn:
         """The running-in of [roughness] towards Sq ``end`` over a ``depth``. Raises InputError if it would rise."""
-        section = roughness_section(case)
-        scale = fractal_roughness_of(section)
-        before = sq(section.fractal_dimension, scale, section.sample_length, section.shortest_length)
+        before = sq(*waves_of(roughness_section(case)))
         if not end < before:
             raise InputError(
                 f"running_in_sq is {1e6 * end:.4g} um, but the faces have Sq {1e6 * before:.4g} um before "
@@ -89,13 +87,9 @@ class WornFaces:
                 continue
             fresh = case_roughness(self.case, *self.joint.layout.face_materials[face])
             # Sq is proportional to G^(D-2): the spectrum keeps its form.
-            scale = fractal_roughness_from_sq(
-                self.running_in.sq_after(float(mean[face])),
-                section.fractal_dimension,
-                section.sample_length,
-                section.shortest_length,
-            )
-            laws[face] = law_of_section(replace(fresh, fractal_roughness=scale), section, float(area[face]))
+            worn = waves_of(section).with_sq(self.running_in.sq_after(float(mean[face])))
+            rough = replace(fresh, fractal_roughness=worn.fractal_roughness)
+            laws[face] = law_of_section(rough, section, float(area[face]))
         return laws
 
     def _with_floor(self, normal_force: FloatArray) -> FloatArray:

@@ -21,7 +21,7 @@ from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
 from stickslip.solve.harmonic.linear import LinearLimit, elastic_hz
 from stickslip.solve.harmonic.neglected import more_harmonics
 from stickslip.solve.setting_up import CurveBalances, prepare_balances
-from stickslip.solve.traction_band import checked_band_output
+from stickslip.solve.tractions.traction_band import checked_band_output
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.superelement import Superelement
 

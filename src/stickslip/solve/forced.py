@@ -35,7 +35,7 @@ from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.path.work import Work
 from stickslip.solve.pieces import Pieces
 from stickslip.solve.setting_up import StageReport, checked_window
-from stickslip.solve.traction_band import DEFAULT_STARTS, TractionBandSearch
+from stickslip.solve.tractions.traction_band import DEFAULT_STARTS, TractionBandSearch
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.substructure import Substructure
 from stickslip.structure.superelement import Superelement

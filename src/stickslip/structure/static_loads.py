@@ -72,7 +72,7 @@ def gravity_load(
     Returns
     -------
     (3 * n_nodes,) N
-        node, then x, y, z. ``superelement.recovery.project(load)`` is the load of :func:`static_preload`.
+        as for :func:`pressure_load`.
 
     Raises
     ------

@@ -15,8 +15,8 @@ from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import unreported_response
-from stickslip.solve.linear_mode import LinearMode, require_allowed_amplitude
-from stickslip.solve.nonlinear_mode import unreported_mode
+from stickslip.solve.modes.linear_mode import LinearMode, require_allowed_amplitude
+from stickslip.solve.modes.nonlinear_mode import unreported_mode
 from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings

@@ -17,7 +17,7 @@ from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import AnyStructure, Derived, Setup
 from stickslip.model.model import kind_of
-from stickslip.model.rough_face import RoughFace, fractal_roughness_of
+from stickslip.model.rough_face import RoughFace, waves_of
 from stickslip.model.study_structure import study_structure
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
@@ -118,10 +118,18 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     if not rough or case.roughness is None:
         return
     section, first = case.roughness, rough[0]
+    waves = waves_of(section)
     yield "Fractal dimension D", section.fractal_dimension, "-", "of the surface; a measure of its fine-scale content"
-    yield "Fractal roughness G", fractal_roughness_of(section), "m", "scale of the heights"
+    yield "Fractal roughness G", waves.fractal_roughness, "m", "scale of the heights"
     yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
     yield "Sdq", float(first.statistics.sdq), "-", "root mean square slope"
+    if section.sdq is not None:
+        yield (
+            "Shortest wave",
+            float(1e6 * waves.shortest),
+            "µm",
+            "from Sq and Sdq; credible if it is about twice the spacing of the measurement",
+        )
     yield (
         "Critical spot area",
         float(1e6 * first.stiffness.critical_area),

@@ -27,7 +27,7 @@ from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.files import remove_abandoned, remove_own_unfinished
 from stickslip.core.processes import leave_signals_to_parent, python_command
 from stickslip.model.model import kind_of
-from stickslip.model.rough_face import fractal_roughness_of
+from stickslip.model.rough_face import waves_of
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
@@ -48,16 +48,16 @@ def rough_patch(case: Case, grid: tuple[int, int]) -> RoughPatch | None:
     section = case.roughness
     if section is None or not case.has_rough_faces:
         return None
-    spectrum = section.fractal_dimension, fractal_roughness_of(section), section.sample_length
+    waves = waves_of(section)
     along, across = kind_of(case).rough_face_size(case)
     x, y = np.meshgrid(np.linspace(0.0, along, grid[1]), np.linspace(0.0, across, grid[0]))
-    phases = draw_phases(section.seed, section.ridges, frequency_count(section.sample_length, section.shortest_length))
+    phases = draw_phases(section.seed, section.ridges, frequency_count(*waves[2:]))
     return RoughPatch(
         along,
         across,
-        fractal_surface(x, y, *spectrum, section.ridges, phases),
-        sq=sq(*spectrum, section.shortest_length),
-        sdq=sdq(*spectrum, section.shortest_length),
+        fractal_surface(x, y, *waves[:3], section.ridges, phases, waves.ratio),
+        sq=sq(*waves),
+        sdq=sdq(*waves),
     )
 
 

@@ -12,8 +12,8 @@ from stickslip.model.model import Model
 from stickslip.model.parameters import case_parameters
 from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.parameters import Parameter
-from stickslip.solve.peak_gradients import peak_gradients
+from stickslip.solve.gradients.parameters import Parameter
+from stickslip.solve.gradients.peak_gradients import peak_gradients
 
 
 def with_gradients(

@@ -111,6 +111,7 @@ def _with_friction(
         ring_amplitude=curve.amplitude,
         converged=curve.converged,
         message=f"{linear.message} With friction: {curve.message}",
+        warnings=(*linear.warnings, *curve.warnings),
     )
 
 

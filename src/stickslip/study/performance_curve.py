@@ -21,9 +21,9 @@ from stickslip.model.model import ReducedModel, load_joint
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.ridge_map import LEAST_FRACTION, RidgeMap
-from stickslip.solve.ridge_stage import Work
-from stickslip.solve.ridge_walk import Pace
+from stickslip.solve.ridges.ridge_map import LEAST_FRACTION, RidgeMap
+from stickslip.solve.ridges.ridge_stage import Work
+from stickslip.solve.ridges.ridge_walk import Pace
 from stickslip.solve.setting_up import StageReport
 from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
 

@@ -13,7 +13,7 @@ from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.threads import thread_count
 from stickslip.model.model import build_model, kind_of
 from stickslip.results.measures import hertz
-from stickslip.solve.slip_onset import NEARLY_ALL, SlipOnset, slip_onset
+from stickslip.solve.ridges.slip_onset import NEARLY_ALL, SlipOnset, slip_onset
 from stickslip.study.assembled import Assembled
 
 # chosen: the range goes on by this fraction of the frequency beyond both linear peaks.

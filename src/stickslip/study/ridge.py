@@ -17,8 +17,8 @@ from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import run_provenance
 from stickslip.solve.forced import DEFAULT_HARMONICS
 from stickslip.solve.path.newton import NewtonSettings
-from stickslip.solve.ridge import ridge_between
-from stickslip.solve.ridge_stage import RidgeOptions, RidgeStage
+from stickslip.solve.ridges.ridge import ridge_between
+from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
 
 # Sections whose keys change neither the mesh nor its reduction.

@@ -15,7 +15,7 @@ from stickslip.model.worn_faces import RunningIn, WornFaces
 from stickslip.results.record import run_provenance
 from stickslip.results.wear import Wear
 from stickslip.solve.path.newton import NewtonSettings
-from stickslip.solve.wear import DEFAULT_ACCURACY, unreported_wear
+from stickslip.solve.wear.wear import DEFAULT_ACCURACY, unreported_wear
 
 
 def worn_faces(case: Case, joint: Joint) -> WornFaces | None:

@@ -24,7 +24,7 @@ from stickslip.reporting.page import page
 from stickslip.results.measures import summary
 from stickslip.results.storage import load_results, save_results
 from stickslip.results.tables import study_tables
-from stickslip.solve.slip_onset import slip_onset
+from stickslip.solve.ridges.slip_onset import slip_onset
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.elasticity import Material, assemble
 from stickslip.structure.joined import joined_modes

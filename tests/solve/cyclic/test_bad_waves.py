@@ -18,9 +18,9 @@ from stickslip.solve.controlled import controlled_response
 from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import forced_response
-from stickslip.solve.nonlinear_mode import nonlinear_mode
+from stickslip.solve.gradients.peak_gradients import peak_gradients
+from stickslip.solve.modes.nonlinear_mode import nonlinear_mode
 from stickslip.solve.other_solutions import search_other_solutions
-from stickslip.solve.peak_gradients import peak_gradients
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.solve.transient.integrate import integrate_to_steady_state
 from stickslip.structure.cyclic_sector import CyclicSector

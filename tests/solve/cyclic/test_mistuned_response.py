@@ -89,6 +89,16 @@ def test_the_equation_is_that_of_the_ring() -> None:
     assert_close(waves.frequency_slope(trial), ring.frequency_slope(expected))
 
 
+def test_a_compliance_in_waves_has_no_unknowns_of_the_disk() -> None:
+    waves, ring = both()
+    force = np.random.default_rng(3).standard_normal(6 * SECTORS)
+    assert_close(waves.compliance.mean_relative(force), ring.compliance.mean_relative(force))
+    with pytest.raises(TypeError):
+        waves.compliance.displacement(np.zeros((2 * HARMONICS, 1)), np.zeros((2 * HARMONICS + 1, 6 * SECTORS)))
+    with pytest.raises(TypeError):
+        waves.compliance.mean_transposed(np.zeros(OWN))
+
+
 def test_newtons_matrix_is_that_of_the_ring() -> None:
     operators = [each.compliance.newton(2.0 * np.pi * 83.0, np.arange(0, 6 * SECTORS, 2)) for each in both()]
     random = np.random.default_rng(1)
@@ -128,6 +138,7 @@ def test_equal_blades_have_one_amplitude() -> None:
         modal_damping_ratio=RATIO,
     )  # fmt: skip
     assert found.converged
+    assert "harmonics = 1" in found.warnings[0]
     np.testing.assert_allclose(found.amplitude, found.amplitude[:, :1] * np.ones(SECTORS), rtol=1e-6)
 
 

@@ -7,7 +7,7 @@ from math import exp, log, pi
 from scipy.optimize import brentq
 
 from stickslip.contact.stiffness.asperities import Roughness
-from stickslip.contact.stiffness.surface import check_surface, fractal_roughness_from_sq, sdq, sq
+from stickslip.contact.stiffness.surface import SurfaceWaves, check_surface, sdq, sq
 from stickslip.core.errors import InputError
 from stickslip.core.validation import positive_number
 
@@ -29,19 +29,38 @@ def roughness_of_heights(
 ) -> Roughness:
     """The surface with the measured ``sq_height`` (Sq in m) and ``sdq_slope`` (Sdq) over ``sample_length`` (m).
 
-    The number of waves follows from Sdq at the given D, and G from Sq; the ratio of successive waves is adjusted about
-    1.5, and the surface then has both values exactly. Hardness and reduced modulus in Pa. The result is credible if its
+    Its waves are those of :func:`waves_of_heights`. Hardness and reduced modulus in Pa. The result is credible if its
     ``shortest_length`` is about twice the spacing of the measurement; otherwise D is another one. Raises InputError for
     values out of range, and an Sdq that no band of waves from the sample length to the distance of atoms has.
+    """
+    waves = waves_of_heights(sq_height, sdq_slope, sample_length, fractal_dimension)
+    return Roughness(
+        waves.fractal_dimension,
+        waves.fractal_roughness,
+        hardness,
+        reduced_modulus,
+        poisson_ratio,
+        frequency_ratio=waves.ratio,
+        sample_length=waves.longest,
+        shortest_length=waves.shortest,
+    )
+
+
+def waves_of_heights(
+    sq_height: float, sdq_slope: float, sample_length: float, fractal_dimension: float = USUAL_DIMENSION
+) -> SurfaceWaves:
+    """The waves with the root mean square height Sq = ``sq_height`` (m) and slope Sdq = ``sdq_slope``, both exactly.
+
+    The longest wave is ``sample_length`` (m). The number of waves follows from Sdq at the given D, and G from Sq; the
+    ratio of successive waves is adjusted about 1.5. Raises InputError as :func:`roughness_of_heights`.
     """
     height, slope = positive_number("sq_height", sq_height, "m"), positive_number("sdq_slope", sdq_slope, "(a slope)")
     longest = positive_number("sample_length", sample_length, "m")
     check_surface(fractal_dimension, 1.0, longest)
 
     def excess(ratio: float, waves: int) -> float:
-        shortest = longest / ratio ** (waves - 1)
-        over = sdq(fractal_dimension, longest, longest, shortest, ratio)
-        return log(over / sq(fractal_dimension, longest, longest, shortest, ratio) * height / slope)
+        band = fractal_dimension, longest, longest, longest / ratio ** (waves - 1), ratio
+        return log(sdq(*band) / sq(*band) * height / slope)
 
     for waves in range(2, MOST_WAVES + 1):
         if excess(RATIO, waves) > 0.0 and excess(SMALLEST_RATIO, waves) < 0.0:
@@ -51,24 +70,14 @@ def roughness_of_heights(
                 raise InputError(
                     f"with fractal_dimension = {fractal_dimension:g}, a surface has Sq = {height:g} m and Sdq = "
                     f"{slope:g} only with waves down to {shortest:.2g} m, which is below the distance of atoms. Raise "
-                    "fractal_dimension until shortest_length is twice the spacing of the measurement, or check Sdq.",
+                    "fractal_dimension until the shortest wave is twice the spacing of the measurement, or check Sdq.",
                     arguments=["sdq_slope", "fractal_dimension"],
                 )
-            scale = fractal_roughness_from_sq(height, fractal_dimension, longest, shortest, ratio)
-            return Roughness(
-                fractal_dimension,
-                scale,
-                hardness,
-                reduced_modulus,
-                poisson_ratio,
-                frequency_ratio=ratio,
-                sample_length=longest,
-                shortest_length=shortest,
-            )
+            return SurfaceWaves(fractal_dimension, longest, longest, shortest, ratio).with_sq(height)
     least = 2.0 * pi * height / longest
     raise InputError(
-        f"sdq_slope is {slope:g}, but a surface with Sq = {height:g} m and waves of at most {longest:g} m has a slope "
-        f"above {least:.3g}, and below {slope * exp(excess(RATIO, MOST_WAVES)):.3g}. Check the units of Sq and of "
-        "the sample length.",
+        f"Sdq is {slope:g}, but a surface with Sq = {height:g} m and waves of at most {longest:g} m has a slope "
+        f"above {least:.3g}, and below {slope * exp(excess(RATIO, MOST_WAVES)):.3g}. Check Sdq, and the units of Sq "
+        "and of the sample length.",
         arguments=["sdq_slope"],
     )

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import expm1, floor, gamma, log, pi
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -195,6 +196,21 @@ def fractal_roughness_from_sq(
     sq_height = positive_number("sq_height", sq_height, "m")
     log_ratio = log(sq_height / sq(fractal_dimension, length, length, shortest_length, ratio))  # Sq where G = L
     return float(length * np.exp(log_ratio / (fractal_dimension - 2.0)))
+
+
+class SurfaceWaves(NamedTuple):
+    """D, G and the band of waves of a surface, in the order of the arguments of :func:`sq` and :func:`sdq`."""
+
+    fractal_dimension: float
+    fractal_roughness: float  # m
+    longest: float  # m
+    shortest: float  # m
+    ratio: float = 1.5  # of successive wave numbers
+
+    def with_sq(self, sq_height: float) -> SurfaceWaves:
+        """The same waves with the root mean square height ``sq_height`` (m). Raises InputError."""
+        scale = fractal_roughness_from_sq(sq_height, self.fractal_dimension, self.longest, self.shortest, self.ratio)
+        return self._replace(fractal_roughness=scale)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from stickslip.case.case import TwoBladeCase
 from stickslip.contact.stiffness.fractal import ContactStatus, ContactStiffness, Roughness, fractal_contact
 from stickslip.contact.stiffness.surface import draw_phases, fractal_surface, frequency_count, surface_statistics
 from stickslip.core.validation import FloatArray
-from stickslip.model.rough_face import case_material, case_roughness, roughness_section
+from stickslip.model.rough_face import case_material, case_roughness, roughness_section, waves_of
 from stickslip.papers.rough_damper.claims import MICRO, Solutions
 from stickslip.papers.rough_damper.items import Item, ModelClaim, Picture
 from stickslip.papers.rough_damper.plan import MODES, law_of
@@ -124,8 +124,8 @@ def rough_case(base: TwoBladeCase, dimension: float, scale: float) -> TwoBladeCa
 def _heights(base: TwoBladeCase, dimension: float, scale: float) -> tuple[float, float]:
     """Sq in m and Sdq of a rough face between the longest and the shortest wave of the case."""
     case = rough_case(base, dimension, scale)
-    section = roughness_section(case)
-    statistics = surface_statistics(_roughness(case), section.sample_length, section.shortest_length)
+    waves = waves_of(roughness_section(case))
+    statistics = surface_statistics(_roughness(case), waves.longest, waves.shortest)
     return statistics.sq, statistics.sdq
 
 
@@ -307,7 +307,8 @@ def _grid() -> Iterator[tuple[float, float, float]]:
 def drawn_faces(base: TwoBladeCase) -> list[tuple[str, FloatArray, FloatArray, FloatArray]]:
     """(title, x, y, heights) of the paper's three faces, all with the phases of the case's seed, m."""
     section, geometry = roughness_section(base), base.geometry
-    phases = draw_phases(section.seed, section.ridges, frequency_count(section.sample_length, section.shortest_length))
+    waves = waves_of(section)
+    phases = draw_phases(section.seed, section.ridges, frequency_count(*waves[2:]))
     along, across = np.linspace(0.0, geometry.damper_length, 280), np.linspace(0.0, geometry.contact_face_width, 66)
     x, y = np.meshgrid(along, across)
     return [
@@ -315,7 +316,7 @@ def drawn_faces(base: TwoBladeCase) -> list[tuple[str, FloatArray, FloatArray, F
             f"D = {dimension:g}, G = {PAPER_SCALE:g} m",
             x,
             y,
-            fractal_surface(x, y, dimension, PAPER_SCALE, section.sample_length, section.ridges, phases),
+            fractal_surface(x, y, dimension, PAPER_SCALE, waves.longest, section.ridges, phases, waves.ratio),
         )
         for dimension in PAPER_DIMENSIONS
     ]

@@ -23,7 +23,7 @@ from stickslip.core.completeness import reported
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, positive_number
 from stickslip.solve.cyclic.balances import force_on_sector
-from stickslip.solve.cyclic.full_ring import require_all_diameters
+from stickslip.solve.cyclic.ring_input import require_modes_without_coupling, row_of_sector
 from stickslip.solve.cyclic.stuck_sector import wide_pairs
 from stickslip.solve.excitation import Excitation, TravellingWave, lag_of
 from stickslip.solve.harmonic.damping import modal_basis
@@ -155,19 +155,7 @@ def unreported_factors(
     frequency_hz: tuple[float, float], modal_damping_ratio: float, pairs: ContactPairs | None,
 ) -> Amplification:  # fmt: skip
     """:func:`amplification_factors`, for a caller that reports highest amplitudes at an end of the range itself."""
-    require_all_diameters(sector)
-    if any(each.damping is not None for each in sector.diameters.values()):
-        raise InputError(
-            "the sector has damping matrices, which couple the modes of a mistuned disk; only modal_damping_ratio is "
-            "possible here. Give a sector without damping.",
-            arguments=["sector"],
-        )
-    if sector.has_coriolis:
-        raise InputError(
-            "the sector has Coriolis forces, which the amplification factor does not contain. Give a sector without "
-            "them, or use forced_response with full_ring.",
-            arguments=["sector"],
-        )
+    require_modes_without_coupling(sector)
     positive_number("modal_damping_ratio", modal_damping_ratio)
     low, high = sorted(checked_window(frequency_hz))
     patterns = finite_array("deviations", deviations)
@@ -176,14 +164,8 @@ def unreported_factors(
             f"deviations must have shape (n_patterns, {sector.sectors}), but its shape is {patterns.shape}.",
             arguments=["deviations"],
         )
-    row = finite_array("output", output)
-    if row.shape not in ((sector.size,), (2 * sector.size,)):
-        raise InputError(
-            f"output must have shape ({sector.size},), or ({2 * sector.size},) with the next sector, but its shape is "
-            f"{row.shape}.",
-            arguments=["output"],
-        )
-    disk = TunedDisk.of(sector, blade, wave, row.reshape(-1, sector.size), 2.0 * np.pi * TAKES_PART * high, pairs)
+    row = row_of_sector("output", output, sector)
+    disk = TunedDisk.of(sector, blade, wave, row.reshape(2, -1), 2.0 * np.pi * TAKES_PART * high, pairs)
     window = 2.0 * np.pi * low, 2.0 * np.pi * high
     count = sector.sectors
     if not disk.is_excited_in(window):
@@ -230,7 +212,7 @@ class TunedDisk:
     ) -> TunedDisk:
         """From the reduced sector; modes up to ``highest`` rad/s take part.
 
-        ``rows`` (1 or 2, n) are the output in this sector and in the next one.
+        ``rows`` (2, n) are the output in this sector and in the next one.
         """
         travelling, load = _first_harmonic(sector, wave)
         count = sector.sectors

@@ -21,9 +21,10 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import ContactLaw, IndexArray
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array
+from stickslip.core.validation import FloatArray
 from stickslip.solve.cyclic.balances import force_on_sector
-from stickslip.solve.cyclic.stuck_sector import Matrix, wide_pairs
+from stickslip.solve.cyclic.ring_input import pairs_of_sectors, require_all_diameters, row_of_sector, travelling
+from stickslip.solve.cyclic.stuck_sector import Matrix
 from stickslip.solve.excitation import Excitation
 from stickslip.structure.blade_alone import BladeAlone
 from stickslip.structure.cyclic_sector import CyclicSector
@@ -60,17 +61,11 @@ class FullRing:
         of sectors or of unknowns.
         """
         count, size = self.sector.sectors, self.sector.size
-        of_sectors = [pairs] * count if isinstance(pairs, ContactPairs) else list(pairs)
-        if len(of_sectors) != count:
-            raise InputError(
-                f"pairs are those of {len(of_sectors)} sectors, but the ring has {count}: give the pairs of one "
-                "sector, or of each.",
-                arguments=["pairs"],
-            )
+        of_sectors = pairs_of_sectors(pairs, self.sector)
         operators = []
         for place, each in enumerate(of_sectors):
             rows = np.zeros((3 * each.n_pairs, count, size))
-            here, following = np.hsplit(wide_pairs(each, size).operator, 2)
+            here, following = np.hsplit(each.operator, 2)
             rows[:, place] += here
             rows[:, (place + 1) % count] += following
             operators.append(rows.reshape(len(rows), -1))
@@ -82,12 +77,7 @@ class FullRing:
         Raises InputError for another number of unknowns, or a sector that does not exist.
         """
         count, size = self.sector.sectors, self.sector.size
-        given = finite_array("row", row)
-        if given.shape not in ((size,), (2 * size,)):
-            raise InputError(
-                f"row has shape {given.shape}, but it must be ({size},), or ({2 * size},) with the next sector.",
-                arguments=["row"],
-            )
+        given = row_of_sector("row", row, self.sector)
         if sector != int(sector) or not 0 <= sector < count:
             raise InputError(f"sector is {sector}, but the ring has sectors 0 to {count - 1}.", arguments=["sector"])
         answer = np.zeros((count, size))
@@ -97,14 +87,10 @@ class FullRing:
 
     def excitation(self, wave: Excitation) -> Excitation:
         """The force on all sectors of :meth:`Excitation.travelling_wave`. Raises InputError for another excitation."""
-        if wave.wave is None:
-            raise InputError(
-                "wave is an excitation that does not travel; give one of Excitation.travelling_wave.",
-                arguments=["wave"],
-            )
+        travels = travelling(wave)
         count = self.sector.sectors
-        first = force_on_sector(self.sector, wave, wave.wave, wave.harmonics).coefficients(1.0).T
-        force = np.vstack([wave.wave.shifted(first, count, place) for place in range(count)])
+        first = force_on_sector(self.sector, wave, travels, wave.harmonics).coefficients(1.0).T
+        force = np.vstack([travels.shifted(first, count, place) for place in range(count)])
         return Excitation.force(force[:, 1::2], force[:, 2::2])
 
     def mistuned(self, blade: BladeAlone, deviations: ArrayLike) -> FullRing:
@@ -142,17 +128,6 @@ def full_ring(sector: CyclicSector) -> FullRing:
     whirl = None if parts["gyroscopic"][0] is None else block_circulant(parts["gyroscopic"], count)
     gyroscopic = None if whirl is None else 0.5 * (whirl - whirl.T)
     return FullRing(sector, Superelement(mass, stiffness, damping, gyroscopic=gyroscopic))
-
-
-def require_all_diameters(sector: CyclicSector) -> None:
-    """Raise InputError for a sector that was not reduced for all nodal diameters."""
-    missing = [each for each in range(sector.sectors // 2 + 1) if each not in sector.diameters]
-    if missing:
-        raise InputError(
-            f"the sector was reduced without nodal diameter {missing[0]} ({len(missing)} are missing), but a ring "
-            "whose sectors differ has them all. Reduce it with diameters=None.",
-            arguments=["sector"],
-        )
 
 
 def block_circulant(of_diameter: Mapping[int, Matrix], sectors: int) -> FloatArray:

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.completeness import reported
-from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.short_repr import short_repr
 from stickslip.core.threads import solver_threads, thread_count
@@ -18,9 +17,13 @@ from stickslip.core.validation import FloatArray, finite_array, positive_number
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.cyclic.amplification import TAKES_PART, TunedDisk
 from stickslip.solve.cyclic.balances import force_on_sector
-from stickslip.solve.cyclic.full_ring import require_all_diameters
+from stickslip.solve.cyclic.ring_input import (
+    pairs_of_sectors,
+    require_modes_without_coupling,
+    row_of_sector,
+    travelling,
+)
 from stickslip.solve.cyclic.stuck_ring import ring_force, stuck_ring
-from stickslip.solve.cyclic.stuck_sector import wide_pairs
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import WORK_PER_POINT
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
@@ -33,6 +36,12 @@ from stickslip.solve.path.work import Work
 from stickslip.solve.setting_up import StageReport, check_options, checked_window
 from stickslip.structure.blade_alone import BladeAlone
 from stickslip.structure.cyclic_sector import CyclicSector
+
+UNCHECKED = (
+    "The curve of the mistuned disk was computed with harmonics = {harmonics}, without an estimate of the error. Its "
+    "stability is not computed, and no peak between two points is searched: repeat it with more harmonics and a "
+    "smaller largest_step."
+)
 
 
 @dataclass(frozen=True)
@@ -49,6 +58,8 @@ class MistunedResponse:
         whether the curve reaches its end, and a message.
     iterations:
         of Newton's method, weighted with the harmonics.
+    warnings:
+        what is not known of the curve.
     """
 
     frequency_hz: FloatArray
@@ -56,6 +67,7 @@ class MistunedResponse:
     converged: bool
     message: str
     iterations: int
+    warnings: tuple[str, ...] = ()
 
     __repr__ = short_repr
 
@@ -131,23 +143,14 @@ def unreported_mistuned(
     threads: int | None, progress: ProgressCallback | None,
 ) -> MistunedResponse:  # fmt: skip
     """:func:`mistuned_response`, for a caller that reports a curve that ends early itself."""
-    require_all_diameters(sector)
-    _require_no_damping(sector)
-    if sector.has_coriolis:
-        raise InputError(
-            "the sector has Coriolis forces, which the waves of the tuned disk do not contain. Solve full_ring.",
-            arguments=["sector"],
-        )
+    require_modes_without_coupling(sector)
     check_options(harmonics, samples, "tractrix", modal_damping_ratio)
     positive_number("modal_damping_ratio", modal_damping_ratio)
     start, stop = (2.0 * np.pi * each for each in checked_window(frequency_hz))
-    row = _wide_row(finite_array("output", output), sector)
-    of_sectors = _of_sectors(pairs, sector)
-    if wave.wave is None:
-        raise InputError(
-            "wave is an excitation that does not travel; give one of Excitation.travelling_wave.", arguments=["wave"]
-        )
-    force = ring_force(force_on_sector(sector, wave, wave.wave, harmonics).coefficients(1.0), wave.wave, sector.sectors)
+    row = row_of_sector("output", output, sector)
+    of_sectors = pairs_of_sectors(pairs, sector)
+    travels = travelling(wave)
+    force = ring_force(force_on_sector(sector, wave, travels, harmonics).coefficients(1.0), travels, sector.sectors)
     report, settings, newton = StageReport(progress), continuation or ContinuationSettings(), newton or NewtonSettings()
     pattern = finite_array("deviations", deviations)
     rows = sector.sectors * len(of_sectors[0].operator)
@@ -181,38 +184,5 @@ def unreported_mistuned(
         amplitude = [periodic_amplitude(ring.outputs(each.amplitude, each.deviation).T) for each in trials]
     return MistunedResponse(
         np.array([each.omega for each in trials]) / (2.0 * np.pi), np.array(amplitude), branch.complete,
-        f"{how} {branch.message}", round(work.total),
+        f"{how} {branch.message}", round(work.total), (UNCHECKED.format(harmonics=harmonics),),
     )  # fmt: skip
-
-
-def _require_no_damping(sector: CyclicSector) -> None:
-    if any(each.damping is not None for each in sector.diameters.values()):
-        raise InputError(
-            "the sector has damping matrices; only modal_damping_ratio is possible here. Give a sector without "
-            "damping, or solve full_ring.",
-            arguments=["sector"],
-        )
-
-
-def _wide_row(row: FloatArray, sector: CyclicSector) -> FloatArray:
-    """The row (2n,) of an output (n,) or (2n,). Raises InputError for another size."""
-    if row.shape not in ((sector.size,), (2 * sector.size,)):
-        raise InputError(
-            f"output must have shape ({sector.size},), or ({2 * sector.size},) with the next sector, but its shape is "
-            f"{row.shape}.",
-            arguments=["output"],
-        )
-    return np.append(row, np.zeros(2 * sector.size - row.size))
-
-
-def _of_sectors(pairs: ContactPairs | Sequence[ContactPairs], sector: CyclicSector) -> list[ContactPairs]:
-    """The pairs of each sector with operators (m, 2n). Raises InputError for another number of sectors."""
-    count = sector.sectors
-    listed = [pairs] * count if isinstance(pairs, ContactPairs) else list(pairs)
-    if len(listed) != count:
-        raise InputError(
-            f"pairs are those of {len(listed)} sectors, but the disk has {count}: give the pairs of one sector, or of "
-            "each.",
-            arguments=["pairs"],
-        )
-    return [wide_pairs(each, sector.size) for each in listed]

@@ -7,7 +7,7 @@ costs a Fourier transform over the sectors more.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import scipy.linalg
@@ -96,6 +96,18 @@ class RingCompliance(Compliance):
         answer[0] = -self._static.relative(deviation[0]) if deviation[0].any() else 0.0
         self._modes.relative(amplitude, answer[1:])
         return answer
+
+    def mean_relative(self, force: FloatArray) -> FloatArray:
+        """(N m,) mean relative displacements under mean forces (N m,) on the pairs."""
+        return self._static.relative(force)
+
+    def displacement(self, amplitude: FloatArray, deviation: FloatArray) -> NoReturn:
+        """Raise TypeError: no matrix gives the mean of all unknowns (:meth:`StuckRing.outputs`)."""
+        raise TypeError("the unknowns of a disk in waves are not available; StuckRing.outputs gives its output.")
+
+    def mean_transposed(self, output: FloatArray) -> NoReturn:
+        """Raise TypeError, as :meth:`displacement`."""
+        raise TypeError("the unknowns of a disk in waves are not available; StuckRing.outputs gives its output.")
 
 
 def stuck_ring(

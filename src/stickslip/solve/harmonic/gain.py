@@ -213,9 +213,9 @@ class CoupledGain(_ModeGain):
     """Damping ``C`` (n, n) that couples the modes, or a complex one (H, n, n) of each harmonic.
 
     It need not be Hermitian: its skew-Hermitian part are Coriolis forces, which do no work; the complex modes of a
-    sector have it on the diagonal too. The lowest
-    modes are solved together, the others by an iteration over their coupling: above the excitation their
-    damping is a small part of their stiffness. Where the iteration does not converge the whole system is factored.
+    sector have it on the diagonal too. The lowest modes are solved together, the others by an iteration over their
+    coupling: above the excitation their damping is a small part of their stiffness. Where the iteration does not
+    converge the whole system is factored.
     """
 
     def __init__(self, circular_frequency: FloatArray, damping: FloatArray, harmonics: int, near_modes: int) -> None:

@@ -13,8 +13,6 @@ import pytest
 import stickslip as ss
 from helpers import benchmark_module
 from sentences import printed_sentence, rejects
-from stickslip.solve import traction_band
-from stickslip.solve.extreme_tractions import with_residual_traction
 from stickslip.solve.harmonic.curves import FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.traction_sensitivity import Quantity, TractionSensitivity
@@ -23,7 +21,9 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import Balances, prepare_balances
-from stickslip.solve.traction_band import friction_limit
+from stickslip.solve.tractions import traction_band
+from stickslip.solve.tractions.extreme_tractions import with_residual_traction
+from stickslip.solve.tractions.traction_band import friction_limit
 
 STIFFNESS, LIMIT = 1.0e6, 100.0  # N/m of the structure, N of friction
 BLADE = benchmark_module("blade_problem").load_blade_problem(10)

@@ -17,7 +17,7 @@ import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.validation import FloatArray
-from stickslip.solve.adjoint import Adjoint, Motions
+from stickslip.solve.gradients.adjoint import Adjoint, Motions
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.damping import DAMPED_RANGE
 from stickslip.solve.setting_up import Balances

@@ -7,7 +7,7 @@ import pytest
 
 import stickslip as ss
 from sentences import printed_sentence
-from stickslip.solve.slip_onset import slip_onset
+from stickslip.solve.ridges.slip_onset import slip_onset
 
 FREE, SPRING, LIMIT, RATIO, FORCE = 4e6, 1e6, 30.0, 0.02, 10.0
 ROW = np.array([1.0, 0.0])

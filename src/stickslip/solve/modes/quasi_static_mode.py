@@ -30,7 +30,7 @@ from stickslip.core.validation import FloatArray, whole_number
 from stickslip.results.quasi_static_mode import QuasiStaticMode
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.joint_step import JointStep, StepPoint
-from stickslip.solve.linear_mode import LinearMode, checked_amplitudes
+from stickslip.solve.modes.linear_mode import LinearMode, checked_amplitudes
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.static.load_ramp import NEWTON
 from stickslip.structure.superelement import Superelement

@@ -5,8 +5,9 @@ period follows from it. A pair that would slip once and then stick with another 
 
 The excitation at which nearly all pairs slip has two estimates, one too low and one too high, which a run then decides.
 The lower one keeps the shape of that motion, the upper one is the static motion under a load in the shape of the mode
-(:func:`stickslip.solve.quasi_static_mode.quasi_static_mode`), in which pairs slip in one direction only. For both, the
-excitation that sustains the amplitude follows from the damping of that static mode: ``|phi^T p| = 2 zeta w^2 a``.
+(:func:`stickslip.solve.modes.quasi_static_mode.quasi_static_mode`), in which pairs slip in one direction only. For
+both, the excitation that sustains the amplitude follows from the damping of that static mode: ``|phi^T p| = 2 zeta w^2
+a``.
 """
 
 from __future__ import annotations
@@ -27,8 +28,8 @@ from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.linear import Limit, elastic_hz
-from stickslip.solve.linear_mode import LinearMode
-from stickslip.solve.quasi_static_mode import unreported_static_mode
+from stickslip.solve.modes.linear_mode import LinearMode
+from stickslip.solve.modes.quasi_static_mode import unreported_static_mode
 from stickslip.solve.setting_up import Balances, CurveBalances, StageReport
 from stickslip.structure.substructure import Substructure
 

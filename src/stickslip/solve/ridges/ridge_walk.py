@@ -16,7 +16,7 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak
-from stickslip.solve.ridge_stage import RidgeStage, StuckMode
+from stickslip.solve.ridges.ridge_stage import RidgeStage, StuckMode
 
 # chosen: the step grows or shrinks at most by these factors.
 GROWTH, SHRINKAGE = 2.0, 0.5

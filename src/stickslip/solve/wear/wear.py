@@ -41,10 +41,10 @@ from stickslip.core.validation import (
 from stickslip.results.wear import Wear
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.path.newton import NewtonSettings
-from stickslip.solve.ridge_stage import RidgeOptions
+from stickslip.solve.ridges.ridge_stage import RidgeOptions
 from stickslip.solve.setting_up import StageReport, checked_window
-from stickslip.solve.wear_motion import WornState, WornVibration
-from stickslip.solve.worn_joint import WornJoint, WornStiffness
+from stickslip.solve.wear.wear_motion import WornState, WornVibration
+from stickslip.solve.wear.worn_joint import WornJoint, WornStiffness
 from stickslip.structure.superelement import Superelement
 
 # chosen: more states show nothing more; the message gives the cycles that were reached.

@@ -16,15 +16,6 @@ from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.peaks import peaks
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.traction_band import TractionBand
-from stickslip.solve.extreme_tractions import (
-    PeakOverTractions,
-    Selection,
-    TractionPeak,
-    highest,
-    local_extreme,
-    lowest,
-    with_residual_traction,
-)
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curve_warnings import SMALLEST_FOLD
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
@@ -36,6 +27,15 @@ from stickslip.solve.path.landmarks import LandmarkSource
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import Balances, StageReport
+from stickslip.solve.tractions.extreme_tractions import (
+    PeakOverTractions,
+    Selection,
+    TractionPeak,
+    highest,
+    local_extreme,
+    lowest,
+    with_residual_traction,
+)
 
 # chosen: the curves cover the frequencies between points with this fraction of the largest motion, and this multiple of
 # that range on both sides; a curve that does not fall to a fraction of its peak at both ends is followed through the

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stickslip.solve.ridge_coverage import is_enclosed_below, merged, middle_of_gap
+from stickslip.solve.ridges.ridge_coverage import is_enclosed_below, merged, middle_of_gap
 
 LOADS = np.array([10.0, 20.0, 40.0, 80.0])
 

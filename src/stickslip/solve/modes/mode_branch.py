@@ -12,7 +12,7 @@ from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 from stickslip.solve.curve_result import LARGEST_FRACTION
 from stickslip.solve.harmonic.energy import work_per_cycle
 from stickslip.solve.harmonic.mode_curve import ModeCurve, ModePoint
-from stickslip.solve.linear_mode import LinearMode
+from stickslip.solve.modes.linear_mode import LinearMode
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane

@@ -13,7 +13,7 @@ from helpers import Blade
 from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak, Probe
-from stickslip.solve.ridge_stage import Problem, RidgeOptions, RidgeStage
+from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
 
 RATIO = 0.01

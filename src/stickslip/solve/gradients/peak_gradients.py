@@ -18,10 +18,11 @@ from stickslip.core.validation import FloatArray, finite_array, whole_number
 from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.adjoint import Adjoint
-from stickslip.solve.equation_change import ChangedEquation
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import as_excitation
+from stickslip.solve.gradients.adjoint import Adjoint
+from stickslip.solve.gradients.equation_change import ChangedEquation
+from stickslip.solve.gradients.parameters import Parameter, parameters_of
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curve_at_peak import TANGENT_TOLERANCE, CurveAtPeak, CurvePlace
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
@@ -29,7 +30,6 @@ from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.peak import BoundedCurve, CurvePeak, PeakSearch
 from stickslip.solve.harmonic.peak_values import frequency, friction_energy
 from stickslip.solve.harmonic.walk import walking_points
-from stickslip.solve.parameters import Parameter, parameters_of
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Step
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances

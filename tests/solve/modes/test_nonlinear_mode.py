@@ -15,7 +15,7 @@ from known_modes import BEAM_RATIO, friction_beam, one_mass, two_masses
 from sentences import printed_sentence, rejects
 from stickslip.contact.law.closed_forms import jenkins_loop
 from stickslip.results.nonlinear_mode import NonlinearMode
-from stickslip.solve import nonlinear_mode as modes
+from stickslip.solve.modes import nonlinear_mode as modes
 from stickslip.solve.path.stepping import ContinuationSettings
 
 # Two masses (Krack's concept, GitHub Nidish96/twodoffrict, rigid friction, 33 harmonics): modal amplitude, rad/s, xi.

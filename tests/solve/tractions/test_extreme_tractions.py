@@ -14,12 +14,12 @@ import pytest
 
 import stickslip as ss
 from stickslip.results.peaks import peaks
-from stickslip.solve import extreme_tractions
-from stickslip.solve.extreme_tractions import PeakOverTractions, TractionPeak, highest, local_extreme, lowest
 from stickslip.solve.harmonic.curves import FrequencyCurve
 from stickslip.solve.harmonic.traction_sensitivity import Quantity
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.setting_up import Balances, prepare_balances
+from stickslip.solve.tractions import extreme_tractions
+from stickslip.solve.tractions.extreme_tractions import PeakOverTractions, TractionPeak, highest, local_extreme, lowest
 
 # Three unknowns of one or two pairs with slip and variable normal load. Only t1 of the second pair moves.
 STIFFNESS = 1e6 * np.array([[3.0, -1.0, 0.2], [-1.0, 2.5, -0.5], [0.2, -0.5, 2.0]])

@@ -17,9 +17,9 @@ from stickslip.solve.harmonic.energy import work_per_cycle
 from stickslip.solve.harmonic.peak import CurvePeak
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.path.problem import Plane
-from stickslip.solve.ridge_stage import RidgeOptions, RidgeStage
+from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
-from stickslip.solve.worn_joint import WornJoint
+from stickslip.solve.wear.worn_joint import WornJoint
 
 # chosen: another peak of the whole curve that is higher by this fraction takes over. The search of a peak has an error
 # of 0.01 %, points of a curve beside a corner less than 0.1 %.

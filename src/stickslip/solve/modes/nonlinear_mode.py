@@ -33,9 +33,9 @@ from stickslip.solve.harmonic.mode_shapes import (
     step_warnings,
 )
 from stickslip.solve.harmonic.varying_harmonics import LADDER
-from stickslip.solve.linear_mode import Limit, LinearMode, checked_amplitudes, require_allowed_amplitude
-from stickslip.solve.mode_branch import STEPS, ModeBranch, follow_mode
-from stickslip.solve.mode_checks import (
+from stickslip.solve.modes.linear_mode import Limit, LinearMode, checked_amplitudes, require_allowed_amplitude
+from stickslip.solve.modes.mode_branch import STEPS, ModeBranch, follow_mode
+from stickslip.solve.modes.mode_checks import (
     CHECKED_POINTS,
     HarmonicsChange,
     accuracy_warnings,

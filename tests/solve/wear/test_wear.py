@@ -12,7 +12,7 @@ import pytest
 import stickslip as ss
 from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
-from stickslip.solve.worn_joint import WornJoint
+from stickslip.solve.wear.worn_joint import WornJoint
 
 LOAD, SPRING, FRICTION, SLIP, AREA, ALPHA = 400.0, 1e7, 0.4, 50e-6, 1e-5, 1e-13
 COUNT = 8
@@ -52,7 +52,7 @@ def test_the_loads_of_a_flat_punch_approach_each_other_as_the_closed_form() -> N
 
 
 def test_the_example_of_the_theory_runs() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "theory_wear.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "theory_wear.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
     exec(compile(script, "theory_wear.md", "exec"), {})
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.results.peak_ridge import log_interpolated
-from stickslip.solve.ridge_walk import RidgePoint
+from stickslip.solve.ridges.ridge_walk import RidgePoint
 
 # chosen: the minimum is enclosed below where the highest peak has risen to this multiple of it; the dips of friction
 # dampers beside their optimum are shallower.

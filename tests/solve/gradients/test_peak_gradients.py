@@ -20,7 +20,7 @@ from known_modes import one_mass
 from peak_differences import SolvedPeak
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import ConvergenceError, InputError
-from stickslip.solve.parameters import parameters_of
+from stickslip.solve.gradients.parameters import parameters_of
 from stickslip.solve.solver_input import SolverInput
 
 pytestmark = pytest.mark.slow

@@ -17,9 +17,9 @@ from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.balance import relative_norm
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.path.problem import Plane
-from stickslip.solve.ridge_coverage import is_enclosed_below, middle_of_gap, passes_through
-from stickslip.solve.ridge_stage import RidgeStage, StageMaker, Work
-from stickslip.solve.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
+from stickslip.solve.ridges.ridge_coverage import is_enclosed_below, middle_of_gap, passes_through
+from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
+from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import StageReport
 
 # chosen: a peak is followed as long as it has at least this fraction of the highest one: others rarely rise above it

@@ -1,0 +1,1 @@
+"""Gradients of a peak by each constant of the equation."""

@@ -1,0 +1,1 @@
+"""Ridges: peaks followed while a load changes."""

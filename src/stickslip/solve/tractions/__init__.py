@@ -1,0 +1,1 @@
+"""Tractions that assembly locks in: how far they can move a curve."""

@@ -1,0 +1,1 @@
+"""Wear: the joint changes over many cycles."""
