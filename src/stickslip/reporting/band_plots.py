@@ -182,7 +182,7 @@ def indices(result: Influence) -> Figure:
     return figure_of(
         traces,
         130 + 62 * len(names),
-        meta={"print": 0.7},  # chosen: height on paper, so that each bar keeps its name
+        meta={"print": 0.7},  # chosen: height in print, so that each bar keeps its name
         xaxis=axis_look("Fraction of the variance, %", range=[0, 105]),
         yaxis=axis_look("", ticks="", automargin=True),
         barmode="group",

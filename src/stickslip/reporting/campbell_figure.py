@@ -18,8 +18,8 @@ _BETWEEN_NAMES = 0.05  # chosen: of the highest speed; nearer names overlap on a
 
 
 def campbell_figure(diagram: Campbell) -> Figure:
-    """Frequencies with contact stuck and without contact over the speed; the engine orders of the studies, or all as thin
-    lines, with names."""
+    """Frequencies with contact stuck and without contact over the speed; the engine orders of the studies, or all as
+    thin lines, with names."""
     top, last = _ROOM * diagram.highest_hz, float(diagram.speed_rpm[-1])
     traces: list[dict[str, Any]] = []
     notes = []

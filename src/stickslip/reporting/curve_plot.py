@@ -21,7 +21,7 @@ from stickslip.results.sweeps_of_curve import Flags, joined_steps, solid_words, 
 
 _ROOM = 1.15  # of the highest amplitude, for the label of the peak
 _LEGEND_ROWS = 2  # on a wide screen
-_OF_PRINT = 0.6  # chosen: height on paper, of that on the screen; the curve is the answer of the page
+_OF_PRINT = 0.54  # chosen: height in print, of that on the screen; the curve is the answer of the page
 _HOVER = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
 
 
@@ -52,7 +52,7 @@ def amplitude_frequency(view: View) -> Figure:
         *other_lines(view),
         cursor,
     ]
-    # plotly would make room for the label of the peak too: on paper, several times the height of the curve
+    # plotly would make room for the label of the peak too: in print, several times the height of the curve
     top = _ROOM * max(value for trace in traces for value in trace["y"] if value is not None)
     return figure_of(
         traces,

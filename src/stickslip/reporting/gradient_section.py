@@ -26,7 +26,7 @@ BEYOND_FIRST_ORDER = 50.0
 NO_EFFECT, NOTHING = 1e-5, 1e-3
 # chosen: half of the axis that the longest bar takes; the values beside the bars need the rest on a narrow page.
 BARS = 0.6
-_OF_PRINT = 0.75  # chosen: height of the plot on paper, of that on the screen: each bar keeps its name
+_OF_PRINT = 0.75  # chosen: height of the plot in print, of that on the screen: each bar keeps its name
 
 
 def _gradients(view: View) -> PeakGradients:

@@ -15,7 +15,6 @@ from stickslip.results.response import ForcedResponse
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
 from stickslip.results.table import Table, column_of
 
-
 _LONGEST_NAME = 60  # chosen: letters, in one line of a legend
 _CHECKSUM = re.compile(r"_[0-9a-f]{12}$")  # as stickslip.sweeps.plan.case_name ends
 

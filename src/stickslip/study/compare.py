@@ -14,7 +14,7 @@ from stickslip.results.comparison import Compared, comparison_tables, names_of_c
 from stickslip.results.storage import load_results
 from stickslip.results.table_files import FORMATS
 from stickslip.study.export import require_free, target_of_tables
-from stickslip.study.places import RESULTS_FILE
+from stickslip.study.places import CASES_FOLDER, RESULTS_FILE
 
 COMPARE_FILE = "compare.html"
 MOST_RESULTS = 12  # chosen: more curves cannot be distinguished in one figure

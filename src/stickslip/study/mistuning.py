@@ -106,7 +106,6 @@ def _with_friction(
         return replace(linear, warnings=(*linear.warnings, words))
     return replace(
         linear,
-        warnings=(*linear.warnings, UNCHECKED),
         ring_hz=curve.frequency_hz,
         ring_amplitude=curve.amplitude,
         converged=curve.converged,
