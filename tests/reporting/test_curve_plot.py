@@ -134,3 +134,9 @@ def test_plain_figure_has_the_same_parts(view: View) -> None:
     plain = synthetic_response().plot(row, "tip").axes[0]
     assert not plain.texts
     assert "with friction" in {str(line.get_label()) for line in plain.lines}
+
+
+def test_the_curve_fills_its_figure(view: View) -> None:
+    figure = amplitude_frequency(view)
+    highest = max(value for trace in figure["data"] for value in trace["y"] if value is not None)
+    assert figure["layout"]["yaxis"]["range"] == pytest.approx([0.0, 1.15 * highest])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip.reporting.look import axis_look, map_range, mark_size
+from stickslip.reporting.look import axis_look, log_axis, map_range, mark_size
 
 DRAWING = (400.0, 160.0)
 
@@ -51,4 +51,24 @@ def test_a_flat_map_is_as_wide_as_its_face() -> None:
 
 def test_small_numbers_of_axes_have_powers_and_no_prefix_beside_the_one_of_their_unit() -> None:
     assert axis_look("Amplitude, µm")["exponentformat"] == "power"
-    assert "exponentformat" not in axis_look("Amplitude, µm", type="log")  # 0.1, 1, 10
+
+
+def test_logarithmic_axes_have_plain_numbers_while_they_are_readable() -> None:
+    axis = log_axis("Force, N", [0.1, 5.0, 300.0])
+    assert (axis["type"], axis["tickformat"], axis["dtick"]) == ("log", ".6~g", 1)
+    assert log_axis("Force, N", [2.0, 60.0])["dtick"] == "D2"
+    assert "dtick" not in log_axis("Force, N", [2.0, 6.0])
+
+
+def test_logarithmic_axes_beyond_have_powers_of_ten_at_every_decade() -> None:
+    axis = log_axis("Depth, m", [3e-9, 2e1])
+    assert axis["tickvals"] == [10.0**decade for decade in range(-9, 3)]
+    assert axis["ticktext"][0] == "10<sup>−9</sup>"
+    assert axis["ticktext"][9:] == ["10<sup>0</sup>", "10<sup>1</sup>", "10<sup>2</sup>"]
+    assert "tickformat" not in axis
+
+
+def test_a_logarithmic_axis_does_not_show_round_off() -> None:
+    low, high = log_axis("Damping ratio, %", [0.1, 0.1 + 1e-15])["range"]
+    assert high - low == pytest.approx(0.4)
+    assert low + high == pytest.approx(-2.0)

@@ -83,7 +83,7 @@ def test_a_mean_that_is_left_out_is_reported() -> None:
     points = sketch.motion.points.copy()
     points[8:, 1, 0] = 1.0
     text = section(dataclasses.replace(sketch, motion=dataclasses.replace(sketch.motion, points=points)))
-    assert "about their mean. The mean, up to 1 × 10⁶ µm, is omitted" in text
+    assert "about their mean. The mean, up to 1\u00a0×\u00a010⁶ µm, is omitted" in text
     assert "mean and all harmonics" not in text
 
 

@@ -31,6 +31,21 @@ def test_the_verdict_has_the_numbers_of_the_summary() -> None:
     assert "the 2 warnings below" in answer.limits
 
 
+@pytest.mark.parametrize(
+    ("counts", "cause"),
+    [
+        ((100, 10, 0), "Slip in the joint"),
+        ((100, 0, 10), "Separation in the joint"),
+        ((90, 10, 10), "Slip and separation in the joint"),
+        ((110, 0, 0), "The joint"),
+    ],
+)
+def test_the_verdict_names_what_the_pairs_do(counts: tuple[int, int, int], cause: str) -> None:
+    view = View.of(synthetic_response(), synthetic_study())
+    object.__setattr__(view, "summary", dataclasses.replace(view.summary, state_counts=counts))
+    assert verdict(view, warnings=0).sentences[0].startswith(f"{cause} lowers the peak")
+
+
 def test_an_incomplete_curve_limits_the_verdict() -> None:
     response = dataclasses.replace(synthetic_response(), converged=False)
     answer = verdict(View.of(response, synthetic_study()), warnings=0)

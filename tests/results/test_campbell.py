@@ -50,6 +50,16 @@ def test_the_diagram_is_in_the_order_of_the_speeds() -> None:
     assert campbell(results[:2]) is None
 
 
+def test_engine_orders_of_the_excitation_are_the_only_ones() -> None:
+    frequency = np.array([[100.0], [100.0]])
+    diagram = Campbell(("a", "b"), np.array([600.0, 6000.0]), frequency, 0.8 * frequency, asked=(4,))
+    assert [each.order for each in diagram.crossings()] == [4]
+    figure = campbell_figure(diagram)
+    lines = [trace["name"] for trace in figure["data"] if trace["name"].startswith("engine order")]
+    assert lines == ["engine order 4"]
+    assert [note["text"] for note in figure["layout"]["annotations"]] == ["4"]
+
+
 def test_the_page_has_the_diagram_with_its_crossings() -> None:
     results = [turning("slow", "3000 rpm", 1.0), turning("fast", "9000 rpm", 1.01)]
     text = compare_page(results)

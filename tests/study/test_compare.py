@@ -19,7 +19,14 @@ from sentences import printed_sentence, rejects
 from stickslip.cli.main import app
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.validation import FloatArray
-from stickslip.results.comparison import Compared, amplitude_at, compared_measures, differing_inputs
+from stickslip.reporting.compare_verdict import compare_verdict
+from stickslip.results.comparison import (
+    Compared,
+    amplitude_at,
+    compared_measures,
+    differing_inputs,
+    names_of_cases,
+)
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import save_results
 from stickslip.results.sweep_table import SweepCurve
@@ -67,6 +74,38 @@ def test_the_page_has_curves_differences_and_inputs(two: list[Path], tmp_path: P
     entries = [trace["name"] for trace in figures["curves"]["data"] if "legendgroup" in trace]
     assert entries == ["first &lt;run&gt;", "second"]
     assert np.abs(np.array(figures["differences"]["data"][0]["y"]) - 10.0).max() < 1e-4
+
+
+def test_the_page_begins_with_the_lowest_peak(two: list[Path], tmp_path: Path) -> None:
+    (target,) = compare(two, tmp_path / "page.html")
+    answer = re.findall(r'<div class="answer">(.*?)</div>', target.read_text(encoding="utf-8"), re.DOTALL)[0]
+    assert "The lowest peak is that of first &lt;run&gt;: " in answer
+    assert "The highest one, second, is 10 % higher: " in answer
+    assert "2 inputs differ: contact.friction_coefficient, damping.ratio." in answer
+
+
+def test_the_answer_ranks_only_what_is_known() -> None:
+    study, cut = synthetic_study(), replace(scaled(0.5), converged=False)
+    results = [Compared("a", synthetic_response(), study), Compared("b", cut, study), Compared("c", scaled(1.0), study)]
+    measures = [each.curve_and_measures()[1] for each in results]
+    equal, rest, same = compare_verdict(results, measures, {})
+    assert equal.startswith("All peaks are equal within 0.5 %: ")
+    assert rest.startswith("Without a rank: b. ")
+    assert same == "The inputs are the same."
+    assert compare_verdict(results, measures, {"forces.gas.amplitude": None})[-1].startswith("The excitation differs")
+    reordered = replace(study, outputs=dict(reversed(study.outputs.items())))
+    other = [results[0], Compared("d", synthetic_response(), reordered)]
+    assert compare_verdict(other, measures[:2], {})[0].startswith("The results have different responses")
+
+
+def test_cases_of_a_sweep_have_the_names_of_their_inputs() -> None:
+    study = synthetic_study()
+    other = replace(study, inputs=study.inputs.replace("0.3", "0.5"))
+    folders = ("friction_coefficient-0.3_0123456789ab", "friction_coefficient-0.5_ba9876543210")
+    assert names_of_cases(folders, [study, other]) == ("friction coefficient 0.3", "friction coefficient 0.5")
+    assert names_of_cases(folders, [study, study]) == ("friction_coefficient-0.3", "friction_coefficient-0.5")
+    alike = ("a_0123456789ab", "a_ba9876543210")
+    assert names_of_cases(alike, [study, study]) == alike
 
 
 def test_measures_and_inputs_in_python() -> None:

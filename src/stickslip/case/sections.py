@@ -368,7 +368,8 @@ class OutputSection(Section):
         default=10, description="number of mode shapes for ParaView"
     )
     deflected_shape_frames: Annotated[int, Count(at_least=0, at_most=1000)] = Field(
-        default=24, description="instants of one period at the peak, for ParaView; 0 for none"
+        default=24,
+        description="instants of one period at the peak, for ParaView, more if its harmonics require it; 0 for none",
     )
     stress: bool = Field(
         default=True, description="stress at the peak, on the page and for ParaView; structures with a mesh"

@@ -8,14 +8,23 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE, VERMILLION
-from stickslip.core.validation import FloatArray
-from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.look import (
+    FREQUENCY,
+    Figure,
+    PlotMarkup,
+    axis_look,
+    figure_of,
+    line_trace,
+    log_axis,
+    plain_list,
+)
 from stickslip.reporting.style import MICRO
 from stickslip.reporting.sweep_view import axis_title
 from stickslip.reporting.thinning import thinned
 from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure
 from stickslip.results.band_statistics import BandStatistics
 from stickslip.results.influence import Influence
+from stickslip.results.sweep_table import SweptKey
 
 DRAWN_CURVES = 64  # chosen: thin lines of samples behind the band; more are a grey area
 DRAWN_POINTS = 40_000  # chosen: points of these lines
@@ -173,6 +182,7 @@ def indices(result: Influence) -> Figure:
     return figure_of(
         traces,
         130 + 62 * len(names),
+        meta={"print": 0.7},  # chosen: height in print, so that each bar keeps its name
         xaxis=axis_look("Fraction of the variance, %", range=[0, 105]),
         yaxis=axis_look("", ticks="", automargin=True),
         barmode="group",
@@ -206,17 +216,16 @@ def against_input(statistics: BandStatistics, place: int) -> Figure:
         "hovertemplate": PlotMarkup("%{{x}} {}<br>%{{y:.4g}} µm<extra></extra>").format(key.shown_unit),
         "showlegend": False,
     }
-    kind = {"type": "category"} if key.is_choice else _spacing(np.array(key.shown))
     return figure_of(
         [points],
         320,
-        xaxis=axis_look(axis_title(key), **kind),
+        xaxis=axis_look(axis_title(key), type="category") if key.is_choice else _number_axis(key),
         yaxis=axis_look("Highest peak, µm", rangemode="tozero"),
         hovermode="closest",
     )
 
 
-def _spacing(values: FloatArray) -> dict[str, Any]:
-    """A logarithmic axis for values over more than a decade."""
-    wide = values.min() > 0.0 and values.max() > 10.0 * values.min()
-    return {"type": "log", "tickfont": {"size": 15}} if wide else {}
+def _number_axis(key: SweptKey) -> dict[str, Any]:
+    """A logarithmic axis for values over more than a decade, else a linear one."""
+    is_wide = min(key.shown) > 0.0 and max(key.shown) > 10.0 * min(key.shown)
+    return log_axis(axis_title(key), key.shown) if is_wide else axis_look(axis_title(key))

@@ -6,26 +6,29 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE
+from stickslip.core.plain_figure import BLUE, INK, ORANGE, VERMILLION
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace
 from stickslip.reporting.style import number, shown_number
 from stickslip.results.campbell import Campbell, Crossing
 
+_PALE = "#c3ccd5"  # of engine orders that no study asks for
 _ROOM = 1.08  # of the highest frequency, for the names of the engine orders
 _BETWEEN_NAMES = 0.05  # chosen: of the highest speed; nearer names overlap on a phone
 
 
 def campbell_figure(diagram: Campbell) -> Figure:
-    """Frequencies with contact stuck and without contact over the speed; engine orders as thin lines with names."""
+    """Frequencies with contact stuck and without contact over the speed; the engine orders of the studies, or all as
+    thin lines, with names."""
     top, last = _ROOM * diagram.highest_hz, float(diagram.speed_rpm[-1])
     traces: list[dict[str, Any]] = []
     notes = []
     free_above = np.inf  # the next name to the left is not nearer than this
-    for order in diagram.orders:
+    for order in diagram.asked or diagram.orders:
         end = min(last, 60.0 * top / order)
-        trace = line_trace(f"EO {order}", [0.0, end], [0.0, order * end / 60.0], GREY, width=0.9, hoverinfo="skip")
-        traces.append(trace | {"showlegend": False})
+        look = (VERMILLION, "dash", 1.8) if diagram.asked else (_PALE, "solid", 0.7)
+        trace = line_trace(f"engine order {order}", [0.0, end], [0.0, order * end / 60.0], *look, hoverinfo="skip")
+        traces.append(trace | {"showlegend": bool(diagram.asked)})
         if end < free_above:
             notes.append(_name(order, end))
             free_above = end - _BETWEEN_NAMES * last

@@ -15,6 +15,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.reporting import sweep_plots
 from stickslip.reporting.campbell_figure import campbell_figure, crossing_rows
+from stickslip.reporting.compare_verdict import compare_verdict
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_figures
 from stickslip.reporting.style import MICRO, length, number, shown_number
 from stickslip.reporting.sweep_view import COLOURS, DASHES, SweepView
@@ -90,6 +91,7 @@ def compare_page(compared: Sequence[Compared]) -> str:
         "title": _title(names),
         "description": f"{len(names)} results of stickslip run. All differences refer to the first one, {names[0]}.",
         "byline": when(provenance),
+        "answer": compare_verdict(compared, measures, inputs),
         "notices": list(_notices(compared)),
         "tiles": list(_tiles(compared, measures)),
         "names": names,
@@ -101,7 +103,11 @@ def compare_page(compared: Sequence[Compared]) -> str:
         "software": [(each.name, _software(each.response.provenance)) for each in compared],
     }
     diagram = campbell(compared)
-    values |= {"has_campbell": diagram is not None, "crossings": [] if diagram is None else crossing_rows(diagram)}
+    values |= {
+        "has_campbell": diagram is not None,
+        "asked_orders": () if diagram is None else diagram.asked,
+        "crossings": [] if diagram is None else crossing_rows(diagram),
+    }
     figures = {
         "curves": sweep_plots.all_curves(view, sweep_plots.thinned_curves(view)),
         "differences": _differences(names, curves),
@@ -152,7 +158,7 @@ def _differences(names: Sequence[str], curves: Sequence[SweepCurve]) -> Figure:
         traces,
         360,
         xaxis=axis_look(FREQUENCY, range=[low, high]),
-        yaxis=axis_look(f"Difference to {names[0]}, %", zeroline=True, zerolinecolor="#9aa5b1"),
+        yaxis=axis_look("Difference, %", zeroline=True, zerolinecolor="#9aa5b1"),
         showlegend=True,
         hovermode="closest",
     )

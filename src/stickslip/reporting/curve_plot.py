@@ -19,6 +19,9 @@ from stickslip.reporting.view import View
 from stickslip.results.peaks import Peak
 from stickslip.results.sweeps_of_curve import Flags, joined_steps, solid_words, unstable_steps
 
+_ROOM = 1.15  # of the highest amplitude, for the label of the peak
+_LEGEND_ROWS = 2  # on a wide screen
+_OF_PRINT = 0.54  # chosen: height in print, of that on the screen; the curve is the answer of the page
 _HOVER = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
 
 
@@ -39,22 +42,24 @@ def amplitude_frequency(view: View) -> Figure:
         "marker": {"symbol": "circle-open", "size": 17, "color": VERMILLION, "line": {"width": 3}},
         "hoverinfo": "skip",
     }
+    traces = [
+        line_trace(view.stuck_words, *_limit(view, linear.stuck), BLUE, "dash", hovertemplate=_HOVER),
+        line_trace("linear, no contact", *_limit(view, linear.free), ORANGE, "dot", width=2.5, hovertemplate=_HOVER),
+        *_curve(view),
+        *_peaks_of_sweeps(view),
+        *stiffness_lines(view),
+        *traction_lines(view),
+        *other_lines(view),
+        cursor,
+    ]
+    # plotly would make room for the label of the peak too: in print, several times the height of the curve
+    top = _ROOM * max(value for trace in traces for value in trace["y"] if value is not None)
     return figure_of(
-        [
-            line_trace(view.stuck_words, *_limit(view, linear.stuck), BLUE, "dash", hovertemplate=_HOVER),
-            line_trace(
-                "linear, no contact", *_limit(view, linear.free), ORANGE, "dot", width=2.5, hovertemplate=_HOVER
-            ),
-            *_curve(view),
-            *_peaks_of_sweeps(view),
-            *stiffness_lines(view),
-            *traction_lines(view),
-            *other_lines(view),
-            cursor,
-        ],
+        traces,
         440,
+        meta={"legend": _LEGEND_ROWS * 20, "print": _OF_PRINT},
         xaxis=axis_look(FREQUENCY, range=[low, high]),
-        yaxis=axis_look("Amplitude, 0-to-peak, µm", rangemode="tozero"),
+        yaxis=axis_look("Amplitude, 0-to-peak, µm", range=[0.0, top]),
         annotations=[_peak_label(view), *_jumps(view)],
         hovermode="closest",
     )
@@ -112,7 +117,7 @@ def _peak_label(view: View) -> dict[str, Any]:
         "arrowhead": 0,
         "arrowcolor": GREY,
         "ax": -70,  # to the left: friction lowers the frequency, so the stuck peak is on the right
-        "ay": -40,
+        "ay": -8,
         "align": "right",
     }
 

@@ -10,7 +10,16 @@ import numpy as np
 
 from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
 from stickslip.reporting.band_plots import SHOWN as SHOWN_BY_BANDS
-from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.look import (
+    FREQUENCY,
+    Figure,
+    PlotMarkup,
+    axis_look,
+    figure_of,
+    line_trace,
+    log_axis,
+    plain_list,
+)
 from stickslip.reporting.style import MICRO
 from stickslip.results.band import BandMeasure
 from stickslip.results.design import COST, DesignResult, Evaluation
@@ -87,7 +96,7 @@ def path(result: DesignResult) -> Figure:
         [line | {"hovertemplate": hover}, *traces],
         400,
         xaxis=axis_look("Number of the design"),
-        yaxis=axis_look(axis_words(result.measure), **_wide(result)),
+        yaxis=_objective_axis(result),
         hovermode="closest",
     )
 
@@ -96,6 +105,7 @@ def against_key(result: DesignResult, place: int) -> Figure:
     """The objective of all designs against a key, and along the key through the optimum."""
     factor, unit = SHOWN[result.measure.unit]
     key = result.keys[place]
+    ends = [key.shown(key.low), key.shown(key.high)]
     marks = _marks(result, [(each, key.shown(each.values[place])) for each in result.evaluations])
     traces = [trace | {"showlegend": False} for trace in marks]  # the path has their legend
     best = result.optimum
@@ -107,7 +117,6 @@ def against_key(result: DesignResult, place: int) -> Figure:
         hover = PlotMarkup("{}<br>%{{x:.5g}} {}<br>%{{y:.5g}} {}<extra></extra>").format(name, key.unit, unit)
         traces.append(line_trace(name, x, factor * along.objective[has], INK, "solid", 2.0, hovertemplate=hover))
         level = [COST * factor * best.objective] * 2
-        ends = [key.shown(key.low), key.shown(key.high)]
         cost = f"{100.0 * (COST - 1.0):.0f} % above the optimum"
         traces.append(line_trace(cost, ends, level, INK, "dash", 1.2, hoverinfo="name"))
         star = {"size": 15, "color": "#f2cf80", "symbol": "star", "line": {"color": INK, "width": 1.2}}
@@ -124,22 +133,24 @@ def against_key(result: DesignResult, place: int) -> Figure:
                 ),
             }
         )
-    spacing = {"type": "log", "tickfont": {"size": 15}} if key.is_logarithmic else {}
     title = f"{key.name}{', ' + key.unit if key.unit else ''}"
     return figure_of(
         traces,
         420,
-        xaxis=axis_look(title, **spacing),
-        yaxis=axis_look(axis_words(result.measure), **_wide(result)),
+        xaxis=log_axis(title, ends) if key.is_logarithmic else axis_look(title),
+        yaxis=_objective_axis(result),
         hovermode="closest",
     )
 
 
-def _wide(result: DesignResult) -> dict[str, Any]:
-    """A logarithmic axis for objectives over more than a decade."""
+def _objective_axis(result: DesignResult) -> dict[str, Any]:
+    """The axis of the objective, logarithmic for objectives over more than a decade."""
     values = np.array([each.objective for each in result.evaluations if not each.failure])
     is_wide = values.size and values.min() > 0.0 and values.max() > 10.0 * values.min()
-    return {"type": "log", "tickfont": {"size": 15}, "dtick": 1} if is_wide else {"rangemode": "tozero"}
+    title = axis_words(result.measure)
+    if is_wide:
+        return log_axis(title, SHOWN[result.measure.unit][0] * values)
+    return axis_look(title, rangemode="tozero")
 
 
 def _marks(result: DesignResult, rows: Sequence[tuple[Evaluation, float]]) -> Iterator[dict[str, Any]]:

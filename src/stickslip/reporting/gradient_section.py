@@ -26,6 +26,7 @@ BEYOND_FIRST_ORDER = 50.0
 NO_EFFECT, NOTHING = 1e-5, 1e-3
 # chosen: half of the axis that the longest bar takes; the values beside the bars need the rest on a narrow page.
 BARS = 0.6
+_OF_PRINT = 0.75  # chosen: height of the plot in print, of that on the screen: each bar keeps its name
 
 
 def _gradients(view: View) -> PeakGradients:
@@ -71,6 +72,7 @@ def tornado(view: View) -> Figure:
     return figure_of(
         traces,
         90 + 26 * max(len(shown), 2),
+        meta={"print": _OF_PRINT},
         barmode="overlay",
         bargap=0.3,
         xaxis=axis_look("Peak amplitude, %", range=[-end, end], zeroline=True, zerolinecolor=INK),
@@ -168,13 +170,15 @@ GRADIENTS = Section(
   {{ parts.panel("tornado", "Change of the peak amplitude by 10 percent of each input, as in the table below") }}
 {% if messages %}<ul class="note">{% for message in messages %}<li>{{ message }}</li>{% endfor %}</ul>{% endif %}
 {%- for caption, headings, rows in tables %}
-{% call parts.scrolled(caption) %}<table><caption>{{ caption }}</caption><thead><tr>
+{%- if not loop.first %}<details class="more"><summary>{{ caption }}</summary>{% endif %}
+{% call parts.scrolled(caption) %}<table>{% if loop.first %}<caption>{{ caption }}</caption>{% endif %}<thead><tr>
 {%- for heading in headings %}{{ parts.head_cell(heading, loop.first) }}{% endfor -%}
 </tr></thead><tbody>
 {%- for row in rows %}<tr><th scope="row" class="word">{{ row[0] }}</th>
 {%- for value in row[1:] %}<td>{{ value }}</td>{% endfor -%}
 </tr>{% endfor -%}
 </tbody></table>{% endcall %}
+{%- if not loop.first %}</details>{% endif %}
 {% endfor -%}""",
     lambda view: {
         "words": " ".join(_words(view)),

@@ -44,6 +44,9 @@ FREQUENCY = "Excitation frequency, Hz"
 _SMALLEST_MARK = 3.0  # px; chosen: the smallest mark with a visible colour
 _LEAST_WIDTH = 0.5  # chosen: of the height of a map; the numbers of narrower axes overlap
 _CLOSE_FRACTION = 0.1  # chosen: of the pairs may have a neighbour nearer than the size of a mark
+_FEW_DECADES = 2.0  # chosen: numbers 1, 2, 5, 10 of more decades would overlap
+_LEAST_DECADES = 0.2  # chosen: a logarithmic axis shows at least twice as much
+_PLAIN_DECADES = (-4.0, 6.0)  # chosen: numbers of an axis beyond these are powers of ten
 _FONT = PlotMarkup("system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif")
 
 
@@ -59,9 +62,29 @@ def axis_look(title: str, **options: Any) -> dict[str, Any]:
         "tickcolor": "#9aa5b1",
         "automargin": True,
     }
-    if options.get("type") != "log":  # which would have 10⁻¹ beside 1
-        look["exponentformat"] = "power"  # not 100µ of a unit that has its own prefix
+    look["exponentformat"] = "power"  # not 100µ of a unit that has its own prefix
     return look | options
+
+
+def log_axis(title: str, values: Any, **options: Any) -> dict[str, Any]:
+    """A logarithmic axis for positive ``values``: 0.1, 1, 10 where all of them have readable digits, else 10⁻⁷, 10⁻⁶.
+
+    ``options`` of plotly win over the common look.
+    """
+    low, high = (math.log10(float(end(values))) for end in (np.min, np.max))
+    if high - low < _LEAST_DECADES:  # digits of round-off would be ticks
+        options = {"range": [0.5 * (low + high) - _LEAST_DECADES, 0.5 * (low + high) + _LEAST_DECADES]} | options
+    if _PLAIN_DECADES[0] <= low and high <= _PLAIN_DECADES[1]:
+        ticks: dict[str, Any] = {"tickformat": ".6~g"}
+        if high - low >= 1.0:  # else plotly chooses ticks between the powers of ten
+            ticks["dtick"] = "D2" if high - low < _FEW_DECADES else 1
+    else:  # plotly would write 10⁻¹, 1, 10
+        decades = range(math.floor(low), math.ceil(high) + 1)
+        ticks = {
+            "tickvals": [float(f"1e{decade}") for decade in decades],
+            "ticktext": [PlotMarkup("10<sup>{}</sup>").format(str(decade).replace("-", "−")) for decade in decades],
+        }
+    return axis_look(title, **({"type": "log"} | ticks | options))
 
 
 def figure_of(data: list[dict[str, Any]], height: int, **layout: Any) -> Figure:

@@ -93,7 +93,6 @@ def _words(view: View) -> Iterator[str]:
         f"The natural frequencies of each blade alone deviate: {result.message}"
     )
     yield from result.words()
-    yield from result.warnings
 
 
 def _values(view: View) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace
+from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import MICRO, STATES, number
 from stickslip.reporting.view import View
@@ -23,8 +23,8 @@ def _mode_of(view: View) -> NonlinearMode:
     return mode
 
 
-def _amplitude_axis() -> dict[str, Any]:
-    return axis_look(MODAL_AMPLITUDE, type="log", dtick=1, exponentformat="power")
+def _amplitude_axis(mode: NonlinearMode) -> dict[str, Any]:
+    return log_axis(MODAL_AMPLITUDE, mode.modal_amplitude)
 
 
 def _curve(view: View, name: str, values: FloatArray, unit: str) -> Any:
@@ -51,7 +51,7 @@ def frequency_of_mode(view: View) -> Figure:
     return figure_of(
         [*_linear_lines(mode), _curve(view, "nonlinear mode", mode.frequency_hz, "Hz")],
         320,
-        xaxis=_amplitude_axis(),
+        xaxis=_amplitude_axis(mode),
         yaxis=axis_look("Frequency, Hz"),
         hovermode="closest",
     )
@@ -68,8 +68,8 @@ def damping_of_mode(view: View) -> Figure:
     return figure_of(
         lines,
         320,
-        xaxis=_amplitude_axis(),
-        yaxis=axis_look("Damping ratio, %", type="log", dtick="D2", tickformat=".3~g"),
+        xaxis=_amplitude_axis(mode),
+        yaxis=log_axis("Damping ratio, %", 100.0 * mode.damping_ratio),
         hovermode="closest",
     )
 
@@ -87,7 +87,7 @@ def states_of_mode(view: View) -> Figure:
     return figure_of(
         traces,
         300,
-        xaxis=_amplitude_axis(),
+        xaxis=_amplitude_axis(mode),
         yaxis=axis_look("Pairs, %", range=[-2, 102]),
         hovermode="x unified",
     )

@@ -88,6 +88,8 @@ def _notices(view: View) -> Iterator[Notice]:
         words = "These are partial results: the figures show the computed points."
         yield Notice("bad", "The solver did not converge", [response.message, words])
     warnings = [*view.study.warnings, *response.warnings]  # a wrong input comes before what follows from it
+    if response.mistuning is not None:
+        warnings += response.mistuning.warnings
     if not view.summary.peak.bracketed:
         warnings.append(
             "The largest amplitude is at an end of the computed range, so the true peak may be higher: widen the "

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, VERMILLION
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis, plain_list
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.view import View
@@ -19,7 +19,6 @@ RidgeOf = Callable[[View], PeakRidge | None]
 # Prefixes of the ids of figures.
 _PERFORMANCE, _RIDGE = "performance", "ridge"
 _LEGEND = {"legend": 60}  # px, of a legend of three rows
-_FEW_DECADES = 2.0  # chosen: numbers 1, 2, 5, 10 of more decades would overlap
 
 
 def _performance(view: View) -> PeakRidge | None:
@@ -119,19 +118,18 @@ def _figures(ridge_of: RidgeOf, prefix: str) -> Callable[[View], dict[str, Figur
         ridge = ridge_of(view)
         assert ridge is not None  # else the page has no such section
         words, here = _axis_words(ridge), _here(view, ridge)
-        across = {"type": "log", "dtick": 1, "exponentformat": "power"}
+        across = log_axis(words, ridge.parameter)
         amplitudes = _panel(ridge, here, of_amplitude=True)
         ends = _range_of_peaks(amplitudes)
-        step = "D2" if ends[1] - ends[0] < _FEW_DECADES else 1
-        up = {"type": "log", "dtick": step, "tickformat": ".3~g", "range": ends}
+        up = log_axis("0-to-peak, µm", [10.0**end for end in ends], range=ends)
         return {
             f"{prefix}-amplitude": figure_of(
                 amplitudes, 380, hovermode="closest", meta=_LEGEND,
-                xaxis=axis_look(words, **across), yaxis=axis_look("0-to-peak, µm", **up),
+                xaxis=across, yaxis=up,
             ),
             f"{prefix}-frequency": figure_of(
                 _panel(ridge, here, of_amplitude=False), 380, hovermode="closest", meta=_LEGEND,
-                xaxis=axis_look(words, **across), yaxis=axis_look("Frequency, Hz"),
+                xaxis=across, yaxis=axis_look("Frequency, Hz"),
             ),
         }  # fmt: skip
 
@@ -178,7 +176,8 @@ def _performance_words(view: View) -> Iterator[str]:
 
 def _common_words(ridge: PeakRidge) -> Iterator[str]:
     for value in ridge.switches():
-        yield f"At {number(value)} {ridge.parameter_unit}".rstrip() + " another peak becomes the highest."
+        where = f"{ridge.parameter_name} = {number(value)} {ridge.parameter_unit}".rstrip()
+        yield f"At {where} another peak becomes the highest."
     yield "A peak counts also if it is unstable, or if a slow sweep does not reach it."
     if not ridge.converged:
         yield ridge.message

@@ -17,6 +17,8 @@ from stickslip.results.sketch import Sketch
 _ARROW_FRACTION = 0.16  # length of an arrow, of the diagonal of the box around the structure
 _TANGENT_FRACTION = 0.4  # length of the arrows t1 and t2, of their face along them: nearly to its edge
 _LEAST_TANGENT_FRACTION = 0.02  # and at least of the diagonal of the box around the structure
+_AROUND_FACE = 1.1  # chosen: sides of a face reach farther from its middle than its pairs by at most this factor
+_FLAT = 0.25  # chosen: and are nearer to its plane than this part of it, while those of the next sector are not
 _SHARP_DEG = 30.0  # between the normals of two sides whose common edge is drawn
 _LONGEST_LABEL = 34  # letters
 _LETTER_PX, _LINE_PX = 6.8, 18.0  # width of a letter, height of a label with its margin
@@ -89,6 +91,26 @@ def marked(study: StudyRecord, sketch: Sketch) -> Marked:
     return Marked(
         np.vstack(groups), responses, tail, tip, pulls, start, end, anchors, ("t1", "t2") * (len(faces) // 2), faces
     )
+
+
+def of_first_sector(study: StudyRecord, sketch: Sketch) -> Sketch:
+    """The sketch of a disk with the contact faces of its first sector only, whose t1 and t2 are known; any other as is.
+
+    They are the sides within the extent of the pairs from the middle of the face, near its plane.
+    """
+    known = study.face_directions
+    if study.disk is None or known is None:
+        return sketch
+    centre = sketch.points[sketch.sides].mean(axis=1)
+    here = np.zeros(len(centre), dtype=bool)
+    for face in np.flatnonzero(known.tangent1.any(axis=1)):
+        along = np.stack([known.tangent1[face], known.tangent2[face]])
+        frame = np.vstack([along, np.cross(*along)])
+        # positions in a map are along t2, then along t1
+        reach = 0.5 * np.ptp(study.pair_position[study.pair_face == face], axis=0)[::-1]
+        limits = np.maximum(np.append(_AROUND_FACE * reach, 0.0), _FLAT * reach.max())
+        here |= (sketch.face == face) & (np.abs((centre - known.middle[face]) @ frame.T) <= limits).all(axis=1)
+    return replace(sketch, face=np.where(here, sketch.face, -1)) if here.any() else sketch
 
 
 def before_faces(shown: Marked, camera: Camera, depth: float) -> Marked:

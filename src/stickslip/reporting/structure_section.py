@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.section import Content, Section
+from stickslip.reporting.structure_marks import of_first_sector
 from stickslip.reporting.structure_picture import STRESS_WORDS, LegendEntry, StructurePicture, structure_picture
 from stickslip.reporting.structure_still import still_picture
 from stickslip.reporting.style import MICRO, number, shown_number
@@ -21,11 +22,12 @@ _NAMED_BODIES = 12
 
 def _content(view: View) -> Content:
     """The picture with its legend and the words around it."""
-    study, sketch = view.study, view.study.sketch
-    assert sketch is not None  # the section applies only where there is one
+    study = view.study
+    assert study.sketch is not None  # the section applies only where there is one
+    sketch = of_first_sector(study, study.sketch)
     picture = structure_picture(study, sketch)
     values = {
-        "caption": _caption(sketch, picture),
+        "caption": _caption(sketch, picture, study.disk is not None),
         "legend": _legend(picture, len(sketch.body_names)),
         "deflection": _deflection(view, picture),
         "stresses": [] if sketch.stress is None else list(STRESS_WORDS.values()),
@@ -36,8 +38,10 @@ def _content(view: View) -> Content:
     return Content(rendered("structure.html", values), {"structure-data": picture.data})
 
 
-def _caption(sketch: Sketch, picture: StructurePicture) -> str:
+def _caption(sketch: Sketch, picture: StructurePicture, is_disk: bool) -> str:
     words = ["All axes have one scale."]
+    if is_disk:
+        words.append("Contact faces and the directions t1 and t2 are those of the first sector.")
     if picture.has_glass:
         words.append("Bodies that would hide the contact are transparent.")
     if sketch.is_coarsened:

@@ -80,7 +80,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
         data,
         320 + height,
         meta={"legend": height},
-        xaxis=axis_look(words, **({} if by_ratio else number_axis(load.tolist()))),
+        xaxis=axis_look(words) if by_ratio else number_axis(words, load.tolist()),
         yaxis=axis_look(f"Highest peak{'' if one_force else ' per force'}, {unit}", rangemode="tozero"),
         hovermode="closest",
     )

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, plain_list
+from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, log_axis, plain_list
 from stickslip.reporting.slow_sweep_marks import slow_sweep_marks
 from stickslip.reporting.style import MICRO
 from stickslip.reporting.style import number as shown_digits
@@ -162,12 +162,12 @@ def against_key(view: SweepView, place: int) -> Figure:
             traces += group_lines(style, group.label, x, factor * view.number(column)[rows], inside[rows], look)
         traces += slow_sweep_marks(view, rows, x, np.full(len(view.table.rows), MICRO), "µm")
     data, height = styles.with_legend(traces, place)
-    kind = {"type": "category"} if key.is_choice else number_axis(key.shown)
+    title, join = axis_title(key), {"anchor": "y2"}
     return figure_of(
         data,
         380 + height,
         meta={"legend": height},
-        xaxis=axis_look(axis_title(key), anchor="y2", **kind),
+        xaxis=axis_look(title, type="category", **join) if key.is_choice else number_axis(title, key.shown, **join),
         yaxis=axis_look("Highest peak, µm", domain=[0.54, 1], rangemode="tozero"),
         yaxis2=axis_look("Peak frequency, Hz", domain=[0, 0.46]),
         hovermode="closest",
@@ -181,15 +181,15 @@ def _coordinates(view: SweepView, place: int, rows: Any) -> list[float] | list[s
     return [key.shown[position] for position in positions]
 
 
-def number_axis(values: Sequence[float]) -> dict[str, Any]:
-    """Kind and ticks of an axis for the numbers of a key: each value has a tick if they are few."""
-    # plotly draws the digits between two powers of ten at three quarters of the size: 15 px keep them readable
-    axis: dict[str, Any] = {"type": "log", "tickfont": {"size": 15}} if is_logarithmic(np.array(values)) else {}
+def number_axis(title: str, values: Sequence[float], **options: Any) -> dict[str, Any]:
+    """An axis for the numbers of a key, logarithmic for steps by factors; there each of a few values has a tick."""
+    if not is_logarithmic(np.array(values)):
+        return axis_look(title, **options)
     few = sorted(set(values))
-    if axis and len(few) <= _TICKS:
-        ticks = {"tickvals": plain_list(few), "ticktext": [shown_digits(each, 6) for each in few]}
-        return axis | ticks | {"tickfont": {"size": 12}}
-    return axis
+    if len(few) > _TICKS:
+        return log_axis(title, values, **options)
+    ticks = {"tickvals": plain_list(few), "ticktext": [shown_digits(each, 6) for each in few]}
+    return axis_look(title, type="log", **ticks, **options)
 
 
 def group_lines(

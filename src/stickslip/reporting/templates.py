@@ -120,6 +120,11 @@ def _template(text: str) -> Template:
     return _environment(OWN_PACKAGE).from_string('{% import "parts.html" as parts %}' + text)
 
 
+def _unbroken(value: Any) -> Any:
+    """Text in which no line ends within a number such as "8.2 × 10⁻⁴"; markup, as of scripts, remains as it is."""
+    return value.replace(" × 10", "\u00a0×\u00a010") if type(value) is str else value
+
+
 @cache
 def _environment(package: str) -> Environment:
     places = dict.fromkeys((package, OWN_PACKAGE))
@@ -127,6 +132,7 @@ def _environment(package: str) -> Environment:
         loader=ChoiceLoader([PackageLoader(name, "assets") for name in places]),
         autoescape=True,
         undefined=StrictUndefined,
+        finalize=_unbroken,
         trim_blocks=True,
         lstrip_blocks=True,
     )

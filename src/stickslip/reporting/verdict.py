@@ -39,11 +39,18 @@ def _peak(view: View) -> Iterator[str]:
     else:
         change = "lowers" if reduction > 0.0 else "raises"
         yield (
-            f"Slip in the joint {change} the peak of {output} by {number(100.0 * abs(reduction), 2)} %: {own}, against "
+            f"{_cause(view)} {change} the peak of {output} by {number(100.0 * abs(reduction), 2)} %: {own}, against "
             f"{_words(measures.stuck_peak)} with all contacts stuck."
         )
     if measures.reduction_from_free is not None:
         yield f"Without contact it would be {_words(measures.free_peak)}."
+
+
+def _cause(view: View) -> str:
+    """What changes the peak: states that at least one pair has."""
+    _, slipping, separating = view.summary.state_counts
+    causes = [words for words, count in (("slip", slipping), ("separation", separating)) if count]
+    return f"{' and '.join(causes).capitalize()} in the joint" if causes else "The joint"
 
 
 def _words(peak: Peak) -> str:

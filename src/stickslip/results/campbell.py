@@ -44,12 +44,15 @@ class Campbell:
         (s, modes) Hz, pairs closed at rest stuck, and without contact; NaN where a result has fewer modes.
     names:
         (s,) of the results or speeds.
+    asked:
+        engine orders of the excitation of the results, in rising order; empty for those without a travelling wave.
     """
 
     names: tuple[str, ...]
     speed_rpm: FloatArray
     stuck_hz: FloatArray
     free_hz: FloatArray
+    asked: tuple[int, ...] = ()
 
     __repr__ = short_repr
 
@@ -67,14 +70,18 @@ class Campbell:
         return tuple(range(first, min(last, first + MOST_ORDERS - 1) + 1))
 
     def crossings(self, limit: Literal["stuck", "free"] = "stuck") -> tuple[Crossing, ...]:
-        """The crossings of the frequencies of a limit with the lines of the ``orders``, sorted by speed."""
+        """The crossings of the frequencies of a limit with the lines of the ``asked`` orders, or of all ``orders``.
+
+        Sorted by speed.
+        """
         require_choice("limit", limit, ("stuck", "free"))
-        return crossings(self.speed_rpm, self.stuck_hz if limit == "stuck" else self.free_hz, self.orders)
+        frequency_hz = self.stuck_hz if limit == "stuck" else self.free_hz
+        return crossings(self.speed_rpm, frequency_hz, self.asked or self.orders)
 
     def plot(self) -> Figure:
         """The diagram as a figure of matplotlib."""
         marks = [(each.speed_rpm, each.frequency_hz) for each in self.crossings()]
-        return campbell_plot(self.speed_rpm, self.stuck_hz, self.free_hz, self.orders, marks)
+        return campbell_plot(self.speed_rpm, self.stuck_hz, self.free_hz, self.asked or self.orders, marks)
 
 
 def campbell(compared: Sequence[Compared]) -> Campbell | None:
@@ -96,7 +103,9 @@ def campbell(compared: Sequence[Compared]) -> Campbell | None:
         for limit in ("stuck", "free")
     )
     names = tuple(each.name for _, each in turning)
-    return Campbell(names, np.array([speed for speed, _ in turning]), stuck, free)
+    orders = {each.study.disk.engine_order for _, each in turning if each.study.disk is not None}
+    asked = tuple(sorted(orders - {0}))
+    return Campbell(names, np.array([speed for speed, _ in turning]), stuck, free, asked)
 
 
 def _lowest(frequencies: Sequence[FloatArray], highest: float) -> FloatArray:

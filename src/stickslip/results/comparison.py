@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,9 @@ from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
 from stickslip.results.table import Table, column_of
+
+_LONGEST_NAME = 60  # chosen: letters, in one line of a legend
+_CHECKSUM = re.compile(r"_[0-9a-f]{12}$")  # as stickslip.sweeps.plan.case_name ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +75,23 @@ def differing_inputs(studies: Sequence[StudyRecord]) -> dict[str, tuple[str | No
     keys = dict.fromkeys(key for each in flat for key in each)
     values = {key: tuple(each.get(key) for each in flat) for key in keys}
     return {key: row for key, row in values.items() if len(set(row)) > 1}
+
+
+def names_of_cases(names: Sequence[str], studies: Sequence[StudyRecord]) -> tuple[str, ...]:
+    """Names for cases of a sweep, whose folders end in a checksum: the inputs that differ, as "speed 3000 rpm".
+
+    Where these are long or equal, the ``names`` of the folders remain, without their checksums if they then differ.
+    """
+    inputs = differing_inputs(studies)
+    words = [key.rpartition(".")[2].replace("_", " ") for key in inputs]
+    described = [
+        ", ".join(f"{word} {'none' if value is None else value}" for word, value in zip(words, row, strict=True))
+        for row in zip(*inputs.values(), strict=True)
+    ]
+    if described and len(set(described)) == len(names) and max(map(len, described)) <= _LONGEST_NAME:
+        return tuple(described)
+    plain = tuple(_CHECKSUM.sub("", name) for name in names)
+    return plain if len(set(plain)) == len(names) else tuple(names)
 
 
 def comparison_tables(compared: Sequence[Compared]) -> tuple[Table, ...]:

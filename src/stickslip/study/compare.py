@@ -10,11 +10,11 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import require_folder
-from stickslip.results.comparison import Compared, comparison_tables
+from stickslip.results.comparison import Compared, comparison_tables, names_of_cases
 from stickslip.results.storage import load_results
 from stickslip.results.table_files import FORMATS
 from stickslip.study.export import require_free, target_of_tables
-from stickslip.study.places import RESULTS_FILE
+from stickslip.study.places import CASES_FOLDER, RESULTS_FILE
 
 COMPARE_FILE = "compare.html"
 MOST_RESULTS = 12  # chosen: more curves cannot be distinguished in one figure
@@ -104,14 +104,19 @@ def _read(sources: Sequence[Path]) -> Iterator[Compared]:
     names = [folder.resolve().name for folder in folders]
     if len(set(names)) < len(names):
         names = [str(folder) for folder in folders]
-    for name, source in zip(names, sources, strict=True):
+    loaded = []
+    for source in sources:
         saved = load_results(source)
         if saved.study is None:
             raise InputError(
                 f'"{source}" contains a response without a study, so its outputs and inputs are unknown. Compare '
                 "results of stickslip run."
             )
-        yield Compared(name, saved.response, saved.study)
+        loaded.append((saved.response, saved.study))
+    if all(folder.resolve().parent.name == CASES_FOLDER for folder in folders):
+        names = list(names_of_cases(names, [study for _, study in loaded]))
+    for name, (response, study) in zip(names, loaded, strict=True):
+        yield Compared(name, response, study)
 
 
 def _require_one_kind(compared: Sequence[Compared]) -> None:

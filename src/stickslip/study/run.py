@@ -150,8 +150,9 @@ def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> I
         springs = model.pairs.resting_stiffness()
         frequency_hz, modes = joined_modes(model.superelement, model.joint.face_pairs, count, springs)
         yield write_mode_shapes(out / MODES_FILE, mesh, modes, frequency_hz)
-    frames = case.output.deflected_shape_frames
-    if frames:
+    if case.output.deflected_shape_frames:
+        # an accuracy determines the harmonics only while the curve is solved
+        frames = max(case.output.deflected_shape_frames, motion.displacement.shape[-1])
         yield write_deflected_period(out / PERIOD_FILE, mesh, motion.displacement, frames)
 
 

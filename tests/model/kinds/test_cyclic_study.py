@@ -21,6 +21,8 @@ from stickslip.model.kinds.cyclic import CyclicSetup
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.reporting.disk_figures import disk_figures
 from stickslip.reporting.page import page
+from stickslip.reporting.structure_marks import of_first_sector
+from stickslip.reporting.structure_view import best_camera, contact_extent
 from stickslip.results.measures import summary
 from stickslip.results.storage import load_results, save_results
 from stickslip.results.tables import study_tables
@@ -177,6 +179,17 @@ def test_the_page_of_a_disk(tmp_path: Path) -> None:
     drawn = disk_figures(solution.response, record)
     assert set(drawn) == {"nodal_diameters", "disk"}
     text = str(page(solution.response, record))
+    assert "t1 and t2 are those of the first sector" in text
+    sketch, known = record.sketch, record.face_directions
+    assert sketch is not None
+    assert known is not None
+    first = of_first_sector(record, sketch)
+    for face, middle in enumerate(known.middle):
+        near = first.points[first.sides[first.face == face]].mean(axis=1) - middle
+        assert 0 < len(near) == (sketch.face == face).sum() / 20
+        assert np.linalg.norm(near, axis=1).max() < 0.015  # half of the width of the disk
+    assert contact_extent(sketch, best_camera(sketch)) is None
+    assert contact_extent(first, best_camera(first)) is not None
     assert "Every sector has the same amplitude" in text
     assert "those of the disk at rest" in text
     turning = replace(record, inputs=changed(rotation={"speed": "3000 rpm"}).to_text())

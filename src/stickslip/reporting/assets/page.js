@@ -296,7 +296,7 @@
     element("scale").addEventListener("click", function () {
       logarithmic = !logarithmic;
       const top = data.amplitude[data.point];
-      const update = { "yaxis.type": logarithmic ? "log" : "linear", "yaxis.autorange": true, "yaxis.dtick": logarithmic ? 1 : null };
+      const update = { "yaxis.type": logarithmic ? "log" : "linear", "yaxis.autorange": true, "yaxis.dtick": logarithmic ? 1 : null, "yaxis.tickformat": logarithmic ? ".6~g" : null };
       /* annotations lie on a logarithmic axis by their logarithms; ay is a place on the axis for arrows only */
       linearNotes.forEach(function (note, i) {
         for (const key of note.ayref === "y" ? ["y", "ay"] : ["y"]) {

@@ -41,6 +41,7 @@
       logarithmic = !logarithmic;
       Plotly.relayout("curves", {
         "yaxis.type": logarithmic ? "log" : "linear", "yaxis.autorange": true, "yaxis.dtick": logarithmic ? 1 : null,
+        "yaxis.tickformat": logarithmic ? ".6~g" : null,
       });
       button.textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
     });

@@ -140,9 +140,9 @@
   function fitToPrint(plot) {
     if (plot.dataset.height) return;
     const isHalf = Boolean(plot.closest(".maps, .two")), screen = plot.layout.height;
-    // figures name the height of a legend of several rows, of which print keeps three quarters
-    const legend = (plot.layout.meta || {}).legend || 0, rest = screen - legend;
-    const height = Math.round((isHalf ? 96 + shareOf(plot) * rest : 0.45 * rest) + 0.75 * legend);
+    // figures name the height of a legend of several rows, of which print keeps three quarters, and their share of the rest
+    const meta = plot.layout.meta || {}, legend = meta.legend || 0, rest = screen - legend;
+    const height = Math.round((isHalf ? 96 + shareOf(plot) * rest : (meta.print || 0.45) * rest) + 0.75 * legend);
     plot.dataset.height = screen;
     plot.dataset.gap = JSON.stringify(plot.layout.legend2 ? [plot.layout.yaxis2.domain[1], plot.layout.yaxis.domain[0]] : []);
     scaleMarks(plot, 0.6);
