@@ -3,6 +3,7 @@
     python benchmarks/ridge_check.py              # all rows, about an hour on one core
     python benchmarks/ridge_check.py blade        # rows whose name begins so
     python benchmarks/ridge_check.py performance  # performance curves: process time over that of the study, and errors
+    python benchmarks/ridge_check.py harmonics    # that of the default study against curves by its accuracy
 
 Each row compares the highest peak of the ridge with that of whole frequency curves, with steps of at most FINE of the
 range, at VALUES values over the range, most of them between the points of the ridge. The points of the ridge, those of
@@ -27,6 +28,8 @@ from stickslip.study.analyses import solve
 from stickslip.study.performance_curve import with_performance_curve
 
 VALUES, DENSE, FINE = 13, 40, 0.03
+# Hz: from below the resonance without contact of the default study to above that with stuck contacts.
+AROUND_BOTH = (410.0, 530.0)
 STIFFNESS = {"contact_stiffness.normal_stiffness": 1.34e8, "contact_stiffness.tangential_stiffness": 1.11e8}
 
 
@@ -141,8 +144,41 @@ def performance(name: str, case: ss.Case, ratios: tuple[float, ...]) -> None:
         print(f"    {force:.4g} N: {1e6 * fine:.4f} um, {100 * error:+.3f} %", flush=True)
 
 
+def by_accuracy(case: ss.Case, forces: tuple[float, ...]) -> None:
+    """Print the highest peak of the performance curve, its estimated error and its check beside the highest peak of
+    whole curves whose harmonics follow from the accuracy of the study: what the few harmonics of a ridge neglect."""
+    model = ss.build_model(case)
+    curve = with_performance_curve(case, model, solve(case, model, threads=1), SilentProgress(), 1).performance_curve
+    estimates = curve.estimated_error
+    for check in curve.checked:
+        print(f"checked: {check.parameter * case.excitation.amplitude:.4g} N, {check}", flush=True)
+    for force in forces:
+        at = curve.at(force / case.excitation.amplitude)
+        own = curve.of(int(at.ridge[0]))
+        near = own[np.argmin(np.abs(np.log(curve.parameter[own] / at.parameter[0])))]
+        changed = case.replace({"preload.centrifugal_force": f"{force!r} N"})
+        model, solver = ss.build_model(changed), case.solver
+        response = ss.forced_response(
+            model.superelement, model.pairs, model.excitation, accuracy=solver.accuracy, samples=solver.samples,
+            frequency_hz=AROUND_BOTH, modal_damping_ratio=case.damping.modal_damping_ratio, checks=False, threads=1,
+        )  # fmt: skip
+        amplitude = response.amplitude(next(iter(model.outputs.values())))
+        top = int(amplitude.argmax())
+        print(
+            f"    {force:.4g} N: {1e6 * amplitude[top]:.4f} um at {response.frequency_hz[top]:.2f} Hz with "
+            f"{response.point_harmonics[top]} harmonics (estimated error {100 * response.estimated_error[top]:.2f} %); "
+            f"ridge {1e6 * at.amplitude[0]:.4f} um, {100 * (at.amplitude[0] / amplitude[top] - 1):+.2f} %, estimated "
+            f"{100 * estimates[near]:.2f} %",
+            flush=True,
+        )
+
+
 def main(names: list[str]) -> None:
     """Print the table."""
+    if names == ["harmonics"]:
+        default = ss.Case().replace({"solver.harmonics": None, "solver.accuracy": "2 %"})
+        by_accuracy(default, (32.0, 34.3, 36.6, 39.0, 60.0, 107.0, 500.0, 1500.0, 3200.0))
+        return
     if names == ["performance"]:
         performance("rough casting", rough_casting(), (0.25, 0.5, 1.0, 3.1, 10.0))
         default = ss.Case().replace({"solver.harmonics": None, "solver.accuracy": "2 %"})

@@ -12,6 +12,7 @@ import pytest
 import stickslip as ss
 from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
+from stickslip.results.checked_peak import CheckedPeak, spread
 from stickslip.results.peak_ridge import STUCK_OPTIMUM
 
 
@@ -154,6 +155,37 @@ def test_the_figure_shows_peaks_limits_and_optimum() -> None:
     assert labels == ["linear, all stuck", "linear, no contact", "highest peak", "optimum: 14.14 µm at 10 N"]
     assert above.get_yscale() == above.get_xscale() == "log"
     assert below.get_xlabel() == "load, N"
+
+
+def test_checks_and_doubtful_points_are_in_words_file_and_figure(tmp_path: Path) -> None:
+    error = np.where(LOADS < 5.0, 0.2 / LOADS, 0.003)
+    check = CheckedPeak(10.0, 1.5e-5, 49.5, 0.004, 7)
+    ridge = ridge_of((LOADS, valley(LOADS)), estimated_error=error, checked=(check,))
+    printed_sentence("\n".join(ridge.words()), "15 µm", "7 harmonics")
+    ridge.save(tmp_path / "ridge.nc")
+    assert ss.PeakRidge.load(tmp_path / "ridge.nc") == ridge
+    assert ridge.over(10.0, "load over force", "").checked == (check._replace(parameter=1.0),)
+    labels = ridge.plot().axes[0].get_legend_handles_labels()[1]
+    assert labels[2] == "computed peaks, error above 1 %"
+    assert labels[-1] == "minimum with slip, checked: 15 µm at 10 N"
+
+
+def test_without_doubtful_points_nothing_is_said() -> None:
+    known = ridge_of((LOADS, valley(LOADS)), estimated_error=np.full(15, 0.009))
+    assert list(known.words()) == list(ridge_of((LOADS, valley(LOADS))).words())
+
+
+def test_the_minimum_with_slip_is_not_the_stuck_one() -> None:
+    dips = valley(LOADS, 3.0) * np.where((LOADS > 25.0) & (LOADS < 40.0), 0.2, 1.0)
+    stuck = np.where(LOADS > 20.0, 0, 1)
+    ridge = ridge_of((LOADS, dips), pairs_stick_slip=stuck, pairs_separating=np.zeros(15, dtype=int))
+    assert ridge.optimum.parameter > 20.0
+    assert ridge.slipping_minimum == ridge.other_minima[0]
+    assert FALLING.slipping_minimum is None
+
+
+def test_a_point_without_an_estimate_has_the_larger_one_of_its_neighbours() -> None:
+    assert spread([None, 0.1, None, 0.3, None, 0.2, 0.0, None]).tolist() == [0.1, 0.1, 0.3, 0.3, 0.3, 0.2, 0.0, 0.0]
 
 
 def test_one_point_is_a_ridge() -> None:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+import stickslip as ss
+from law_studies import REST, interface_text, write_masses, write_study
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import InputError
 from stickslip.model.model import build_model
@@ -77,3 +79,27 @@ def test_a_mode_that_does_not_exist_is_rejected_before_the_curve(monkeypatch: py
     case = quick_case().replace(MODE | {"analysis.mode": 99_999})
     with rejects(InputError, "analysis.mode"):
         analyses.solve(case, build_model(case))
+
+
+def test_amplitudes_that_a_law_forbids_are_rejected_before_anything_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A softening spring of 1e4 N/m along the output does not resist beyond sqrt(1e4 / 3e9) m, 1.826 mm."""
+
+    def no_curve(*_: object, **__: object) -> None:
+        raise AssertionError("the curve must not be computed")
+
+    monkeypatch.setattr(analyses, "unreported_response", no_curve)
+    write_masses(tmp_path)
+    joint = (
+        interface_text("joint", "cubic")
+        .replace('"1e9 N/m^3"', '"-1e9 N/m^3"')
+        .replace('"9 kN/m", 0]', '"9 kN/m", "7e3 N/m"]')
+    )
+    mode = '[analysis]\nkind = "mode"\nmode = 3\nsmallest_amplitude = "1 um"\nlargest_amplitude = "{} mm"\n'
+    case = ss.load_case(write_study(tmp_path, joint, rest=REST + mode.format(2)))
+    for run in (check, solve_case):
+        with rejects(InputError, "analysis.largest_amplitude"):
+            run(case)
+    allowed = ss.load_case(write_study(tmp_path, joint, rest=REST + mode.format(1.7)))
+    assert "nonlinear mode" in dict(dict(check(allowed))["Would run"])

@@ -26,6 +26,10 @@ RIDGE = {
     "analysis.over_to": "60 N",
     "analysis.performance_curve": True,
 }
+# Of a curve that shows the error of a check.
+MORE_HARMONICS = {"solver.harmonics": 9, "solver.largest_step": 0.02, "analysis.kind": "forced"} | dict.fromkeys(
+    ("analysis.over", "analysis.over_from", "analysis.over_to")
+)
 
 
 @pytest.mark.slow
@@ -45,6 +49,15 @@ def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
     assert not curve.has_stuck_optimum
     assert curve.other_minima[0].parameter == pytest.approx(3.68, rel=0.05)
     assert float(curve.parameter.max()) == pytest.approx(30.0)
+    # The minimum with slip is checked with more harmonics.
+    (check,) = curve.checked
+    assert check.parameter == pytest.approx(curve.other_minima[0].parameter)
+    assert check.harmonics > 1
+    more = case.replace({"preload.centrifugal_force": f"{50.0 * check.parameter!r} N"} | MORE_HARMONICS)
+    fine = ss.solve_case(more)
+    largest = fine.response.amplitude(next(iter(fine.model.outputs.values()))).max()
+    assert check.amplitude == pytest.approx(largest, rel=check.error + 1e-3)
+    assert curve.estimated_error is not None
     # Both contain the peak of the response itself.
     row = load_results(tmp_path / "results.nc").study.outputs["blade tip A"]  # type: ignore[union-attr]
     highest = float(response.amplitude(row).max())

@@ -27,7 +27,7 @@ class AnalysisSection(Section):
     kind: str
     performance_curve: bool = Field(
         default=True,
-        description="parametric structure: peaks over its static force over the excitation; two to five curves more",
+        description="parametric structure: peaks over its static force over the excitation; about three curves more",
     )
     stiffness_band: bool = Field(
         default=True,

@@ -13,6 +13,7 @@ from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, l
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.view import View
+from stickslip.results.checked_peak import CHECKED_MINIMUM, DOUBTFUL_PEAKS, CheckedPeak, is_doubtful
 from stickslip.results.peak_ridge import STUCK_OPTIMUM, Optimum, PeakRidge
 
 RidgeOf = Callable[[View], PeakRidge | None]
@@ -37,7 +38,9 @@ def _axis_words(ridge: PeakRidge) -> str:
     return f"{words}, {ridge.parameter_unit}" if ridge.parameter_unit else words
 
 
-def _mark(name: str, ridge: PeakRidge, at: Optimum, value: float, symbol: str, colour: str) -> dict[str, Any]:
+def _mark(
+    name: str, ridge: PeakRidge, at: Optimum | CheckedPeak, value: float, symbol: str, colour: str
+) -> dict[str, Any]:
     """A mark at a value of the parameter."""
     return {
         "type": "scatter",
@@ -70,22 +73,18 @@ def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[d
         ("linear, no contact", ridge.free_parameter, free, ORANGE, "dot"),
     )
     traces = [line_trace(*limit, hovertemplate=hover) for limit in limits if limit[1].size]
-    for place in range(ridge.n_ridges):
-        points = ridge.of(place)
-        values = chosen(ridge.amplitude[points], ridge.frequency_hz[points])
-        traces.append(
-            line_trace(
-                "computed peaks",
-                ridge.parameter[points],
-                values,
-                GREY,
-                width=1.0,
-                mode="markers",
-                marker={"size": 5, "color": GREY},
-                showlegend=place == 0,
-                hovertemplate=hover,
-            )
-        )
+    doubtful = is_doubtful(ridge.estimated_error, ridge.n_points)
+    kinds = (("computed peaks", ~doubtful, "circle"), (DOUBTFUL_PEAKS, doubtful, "circle-open"))
+    for name, points, symbol in kinds:
+        if points.any():
+            values = chosen(ridge.amplitude[points], ridge.frequency_hz[points])
+            marker = {"size": 5, "color": GREY, "symbol": symbol}
+            traces.append(
+                line_trace(
+                    name, ridge.parameter[points], values, GREY, width=1.0, mode="markers", marker=marker,
+                    hovertemplate=hover,
+                )
+            )  # fmt: skip
     values = chosen(top.amplitude, top.frequency_hz)
     highest = line_trace("highest peak", [], [], INK, width=2.5, hovertemplate=hover)
     highest["x"], highest["y"] = plain_list(top.parameter), [v if np.isfinite(v) else None for v in _rounded(values)]
@@ -96,6 +95,9 @@ def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[d
     best = ridge.optimum
     value = float(chosen(np.array(best.amplitude), np.array(best.frequency_hz)))
     traces.append(_mark("optimum" if best.is_inside else "lowest followed", ridge, best, value, "diamond", VERMILLION))
+    for check in ridge.checked:
+        value = float(chosen(np.array(check.amplitude), np.array(check.frequency_hz)))
+        traces.append(_mark(CHECKED_MINIMUM, ridge, check, value, "star", VERMILLION))
     return traces
 
 
@@ -171,6 +173,7 @@ def _performance_words(view: View) -> Iterator[str]:
     for other in ridge.other_minima:
         where = f"{number(MICRO * other.amplitude)} µm at {number(force * other.parameter, 3)} N"
         yield f"Another local minimum is {where}."
+    yield from ridge.words_on_trust(lambda ratio: f"{number(force * ratio, 3)} N")
     yield from _common_words(ridge)
 
 

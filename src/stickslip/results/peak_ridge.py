@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -14,6 +14,7 @@ from scipy.signal import find_peaks
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, require_positive
+from stickslip.results.checked_peak import CheckedPeak, doubtful_words, is_doubtful
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.ridge_figure import RidgePicture, ridge_figure
 from stickslip.results.table import Table, column_of
@@ -93,6 +94,11 @@ class PeakRidge(Labelled):
         of the frequency range are omitted.
     free_parameter, free_amplitude, free_frequency_hz:
         (n_free,) the same without contacts.
+    estimated_error:
+        (n_points,) relative error of the amplitude by neglected harmonics; where a point has no estimate of its own,
+        the larger one of its neighbours on the ridge. None if nothing was estimated.
+    checked:
+        the highest peaks at some values of the parameter by whole curves with more harmonics.
     unknown:
         (n_unknown, 2) ranges of the parameter, ends excluded, in which the highest ridge is not the highest motion for
         certain: a higher one ended beside them.
@@ -155,6 +161,16 @@ class PeakRidge(Labelled):
         ),
     )
 
+    estimated_error: FloatArray | None = field(
+        default=None, metadata=stored(Numbers(_POINTS, "1", "estimated error by neglected harmonics", optional=True))
+    )
+    checked: tuple[CheckedPeak, ...] = field(
+        default=(),
+        metadata=stored(
+            Json(list[tuple[float, float, float, float, int]], "checks with more harmonics, JSON list", optional=True)
+        ),
+    )
+
     def __post_init__(self) -> None:
         sizes = {
             "unknown_range": len(self.unknown),
@@ -169,6 +185,7 @@ class PeakRidge(Labelled):
         require_positive("parameter", self.parameter, "A ridge is over its logarithm.")
         object.__setattr__(self, "warnings", tuple(self.warnings))
         object.__setattr__(self, "ends", tuple((below, above) for below, above in self.ends))
+        object.__setattr__(self, "checked", tuple(CheckedPeak(*each) for each in self.checked))
 
     def __repr__(self) -> str:
         return (
@@ -193,7 +210,8 @@ class PeakRidge(Labelled):
             key: np.asarray(getattr(self, key)) / scale
             for key in ("parameter", "stuck_parameter", "free_parameter", "start", "stop", "unknown")
         }
-        return replace(self, **scaled, parameter_name=name, parameter_unit=unit)
+        checked = tuple(each._replace(parameter=each.parameter / scale) for each in self.checked)
+        return replace(self, **scaled, checked=checked, parameter_name=name, parameter_unit=unit)
 
     def of(self, ridge: int) -> NDArray[np.int64]:
         """The points of a ridge."""
@@ -282,9 +300,18 @@ class PeakRidge(Labelled):
         """Whether no pair slips or separates at the optimum, and it is not at an end of the followed range, where a
         heavy damper is stuck."""
         best = self.optimum
-        point = int(np.argmin(np.abs(np.log(self.parameter / best.parameter))))
-        moves = self.pairs_stick_slip[point] + self.pairs_separating[point]
-        return not moves and not best.edge.endswith("range")
+        return not self._slips_at(best) and not best.edge.endswith("range")
+
+    @property
+    def slipping_minimum(self) -> Optimum | None:
+        """The lowest minimum inside at which pairs slip or separate, None without one."""
+        minima = (self.optimum, *self.other_minima)
+        return next((each for each in minima if each.is_inside and self._slips_at(each)), None)
+
+    def _slips_at(self, at: Optimum) -> bool:
+        """Whether pairs slip or separate at the point nearest to an optimum."""
+        point = int(np.argmin(np.abs(np.log(self.parameter / at.parameter))))
+        return bool(self.pairs_stick_slip[point] + self.pairs_separating[point])
 
     def tables(self, name: str) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""
@@ -322,6 +349,7 @@ class PeakRidge(Labelled):
             self.ridge, self.stuck_parameter, self.stuck_amplitude, self.stuck_frequency_hz, self.free_parameter,
             self.free_amplitude, self.free_frequency_hz, best.parameter, best.amplitude, best.frequency_hz,
             best.is_inside, self.parameter_name, self.parameter_unit, self.output_name,
+            is_doubtful(self.estimated_error, self.n_points), self.checked,
         )  # fmt: skip
 
     def save(self, path: str | PathLike[str]) -> None:
@@ -344,8 +372,15 @@ class PeakRidge(Labelled):
             yield STUCK_OPTIMUM
         for other in self.other_minima:
             yield f"Another local minimum is {self._place(other)}."
+        yield from self.words_on_trust(self._named)
         for value in self.switches():
             yield f"At {self._named(value)} another peak becomes the highest."
+
+    def words_on_trust(self, named: Callable[[float], str]) -> Iterator[str]:
+        """Sentences on checks and estimated errors; ``named`` is a value of the parameter in words."""
+        for check in self.checked:
+            yield check.words(named(check.parameter), float(self.at(check.parameter).amplitude[0]))
+        yield from doubtful_words(self.parameter, self.estimated_error, named)
 
     def _place(self, at: Optimum) -> str:
         return f"{1e6 * at.amplitude:.4g} µm at {at.frequency_hz:.2f} Hz, with {self._named(at.parameter)}"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, VERMILLION, blank_figure, plain_axes
 from stickslip.core.validation import FloatArray
+from stickslip.results.checked_peak import CHECKED_MINIMUM, DOUBTFUL_PEAKS, CheckedPeak
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +20,8 @@ _MICRO = 1e6  # m to µm
 
 @dataclass(frozen=True)
 class RidgePicture:
-    """Data of figures: the highest peak on a grid, the points of all ridges, the linear limits, and the optimum.
+    """Data of figures: the highest peak on a grid, the points of all ridges, and which are doubtful, the linear limits,
+    the optimum, and checked peaks.
 
     Amplitudes in m, frequencies in Hz, values of the parameter in its unit.
     """
@@ -44,6 +46,8 @@ class RidgePicture:
     parameter_name: str
     parameter_unit: str
     output_name: str
+    doubtful: NDArray[np.bool_]
+    checked: tuple[CheckedPeak, ...]
 
     @property
     def parameter_words(self) -> str:
@@ -69,12 +73,26 @@ def ridge_figure(picture: RidgePicture) -> Figure:
         for ridge in np.unique(picture.ridge):
             here = picture.ridge == ridge
             axes.plot(picture.parameter[here], scale * points[here], ".-", color=GREY, linewidth=0.8, markersize=4)
+        if (open_ones := picture.doubtful).any():
+            across = picture.parameter[open_ones]
+            axes.plot(
+                across, scale * points[open_ones], "o", color=GREY, markerfacecolor="white", markersize=4,
+                label=DOUBTFUL_PEAKS,
+            )  # fmt: skip
         axes.plot(picture.highest_parameter, scale * highest, color=INK, linewidth=2.0, label="highest peak")
         axes.set_xscale("log")
     mark = "optimum" if picture.best_is_inside else "lowest followed"
     label = f"{mark}: {_MICRO * picture.best_amplitude:.4g} µm at {picture.best_parameter:.4g} {picture.parameter_unit}"
     above.plot(picture.best_parameter, _MICRO * picture.best_amplitude, "D", color=VERMILLION, label=label.rstrip())
     below.plot(picture.best_parameter, picture.best_hz, "D", color=VERMILLION)
+    for check in picture.checked:
+        label = (
+            f"{CHECKED_MINIMUM}: {_MICRO * check.amplitude:.4g} µm at {check.parameter:.4g} {picture.parameter_unit}"
+        )
+        above.plot(
+            check.parameter, _MICRO * check.amplitude, "*", color=VERMILLION, markersize=11, label=label.rstrip()
+        )
+        below.plot(check.parameter, check.frequency_hz, "*", color=VERMILLION, markersize=11)
     above.set_yscale("log")
     above.set_ylabel("\n".join(filter(None, ["Peak amplitude, 0-to-peak, µm", picture.output_name])), parse_math=False)
     above.legend(frameon=False)

@@ -9,24 +9,22 @@ import numpy as np
 
 from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.case import Case
-from stickslip.core.errors import ConvergenceError, InputError, concerning
+from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import unreported_response
-from stickslip.solve.modes.linear_mode import LinearMode, require_allowed_amplitude
 from stickslip.solve.modes.nonlinear_mode import unreported_mode
 from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
 from stickslip.study.mistuning import with_mistuning
+from stickslip.study.mode import allowed_mode
 from stickslip.study.ridge import checked_range, unreported_ridge
 from stickslip.study.wear import wear_of_study, worn_faces
 
-# chosen: an output that moves less in a mode, over the largest unknown, is at a node of it.
-LEAST_MOTION = 1e-9
 # chosen: points of the curve of one of many cases, and with them its work, 2400 iterations. The default study takes 106
 # points and 340 iterations, with a light damper in gross slip 122 and 1112.
 MOST_POINTS = 300
@@ -110,29 +108,18 @@ def forced_curve(
 
 
 def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
-    """The forced response, and beside it the nonlinear mode. Raises InputError for a mode that does not exist, or that
-    does not move the first output."""
+    """The forced response, and beside it the nonlinear mode. Raises InputError for a mode or amplitudes that
+    :func:`allowed_mode` rejects."""
     settings, analysis = case.solver, case.analysis
     assert isinstance(analysis, ModeAnalysis)
-    with concerning("analysis.mode"):
-        linear = LinearMode.of(model.superelement, model.pairs, analysis.mode, analysis.limit)
-    name, row = next(iter(model.outputs.items()))
-    shape, largest = abs(float(row @ linear.shape)), float(np.abs(linear.shape).max())
-    if shape <= LEAST_MOTION * float(np.abs(row).max()) * largest:
-        raise InputError(
-            f'mode is {analysis.mode}, which does not move the output "{name}", so its amplitude does not determine '
-            "that of the mode. Choose another mode, or another first output.",
-            ("analysis.mode",),
-        )
-    with concerning("analysis.largest_amplitude"):
-        require_allowed_amplitude(model.pairs, linear, analysis.largest_amplitude / shape, shape)
+    motion = allowed_mode(case, model)
     response = forced_curve(case, model, listener, threads)
     try:
         mode = unreported_mode(
             model.superelement,
             model.pairs,
             analysis.mode,
-            (analysis.smallest_amplitude / shape, analysis.largest_amplitude / shape),
+            (analysis.smallest_amplitude / motion, analysis.largest_amplitude / motion),
             limit=analysis.limit,
             harmonics=settings.harmonics,
             accuracy=settings.accuracy,

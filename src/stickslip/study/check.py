@@ -24,6 +24,7 @@ from stickslip.study.facts import (
     sizes,
     study_warnings,
 )
+from stickslip.study.mode import require_allowed_mode
 from stickslip.study.performance_curve import HIGHEST_RATIO, LOWEST_RATIO, has_performance_curve
 from stickslip.study.record import CLOSED_AT_REST
 from stickslip.study.ridge import checked_range
@@ -36,13 +37,14 @@ SHOWN_FREQUENCIES = 4  # chosen: the lowest ones, as a check of the model
 
 def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, list[tuple[str, str]]]]:
     """The content of a run, as sections of (label, value); builds the mesh and the joint, unless they are given as
-    ``assembled``, but reduces and solves nothing.
+    ``assembled``, but solves nothing, and reduces nothing except for a mode whose law resists only up to some motion.
 
-    Raises InputError for a wrong geometry or a mode that does not exist, RoughnessError for a contact without
-    stiffness.
+    Raises InputError for a wrong geometry, a mode that does not exist, or amplitudes at which its law does not resist,
+    RoughnessError for a contact without stiffness.
     """
     assembled = assembled or Assembled.of(case)
     setup, joint, structure = assembled.setup, assembled.joint, assembled.structure
+    require_allowed_mode(case, structure, joint)
     numbers = [
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]

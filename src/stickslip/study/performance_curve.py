@@ -18,11 +18,13 @@ from stickslip.core.errors import RoughnessError, StickslipError
 from stickslip.core.fourier import with_rows
 from stickslip.core.progress import Progress
 from stickslip.model.model import ReducedModel, load_joint
+from stickslip.results.checked_peak import DOUBTFUL
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
+from stickslip.solve.ridges.ridge_check import checked_peak
 from stickslip.solve.ridges.ridge_map import LEAST_FRACTION, RidgeMap
-from stickslip.solve.ridges.ridge_stage import Work
+from stickslip.solve.ridges.ridge_stage import RidgeStage, Work
 from stickslip.solve.ridges.ridge_walk import Pace
 from stickslip.solve.setting_up import StageReport
 from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
@@ -39,7 +41,7 @@ WIDER = 1.2
 # chosen: the lowest possible force is determined to this factor.
 LOWEST_FORCE_TO = 1.05
 # A picture: coarser steps than those of a ridge, and it ends where a bouncing damper would need tiny ones.
-PACE = Pace(first_step=0.05, smallest_step=0.004, largest_step=0.8, wanted_error=0.04)
+PACE = Pace(first_step=0.05, smallest_step=0.004, largest_step=0.8, wanted_error=0.04, estimate_every=0.3)
 # chosen: relative error of the balance. That of the amplitude is below 1e-5, and it takes a third less iterations than
 # the tolerance of [solver]; with 1e-5 more searches fail than that saves.
 TOLERANCE = 1e-6
@@ -48,6 +50,8 @@ MOST_ITERATIONS = 8
 # chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
 # the line between the others more accurate.
 MOST_CURVES, REFINING = 8.0, 0.4
+# chosen: whole curves go beyond all linear peaks and ridges by this factor.
+AROUND = 1.03
 
 
 def has_performance_curve(case: Case) -> bool:
@@ -101,18 +105,16 @@ def performance_curve(
     found = _high_peaks(model, response)
     options = ridge_options(case, TOLERANCE, _harmonics_of(found, response))
     window = min(options.frequency_hz), max(options.frequency_hz)
-    wider = window[0] / WIDER, window[1] * WIDER
     options = replace(
         options,
-        frequency_hz=wider,
-        curve_hz=(wider[0], window[1]),  # lower forces, lower peaks
+        frequency_hz=(window[0] / WIDER, window[1] * WIDER),
         newton=replace(options.newton, max_iterations=MOST_ITERATIONS),
     )
     stages = CaseStages(family, model, report, threads, options)
     modes = stages(force, None).modes_between(window)
     one_curve = float(response.iterations.sum() + response.n_points)
     work = Work((MOST_CURVES - REFINING) * one_curve)
-    ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work, modes)
+    ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work, modes, AROUND)
     _follow_response(ridges, found, force, response, options.harmonics)
     ridges.verified.add(force)  # by the curve of the study
     ridges.add_stuck(bounds[1])
@@ -120,8 +122,8 @@ def performance_curve(
     ridges.check_ends()
     work.most = work.done + REFINING * one_curve
     ridges.refine()
-    name = next(iter(model.outputs))
-    curve = ridges.result(KEY, "N", name).over(excitation, NAME, "")
+    curve = ridges.result(KEY, "N", next(iter(model.outputs)))
+    curve = _with_check(curve, ridges, stages, case.solver.accuracy or DOUBTFUL).over(excitation, NAME, "")
     settings = {
         **curve.settings,
         "harmonics": options.harmonics,
@@ -134,9 +136,30 @@ def performance_curve(
         warnings=(
             *curve.warnings,
             *_beginning(float(curve.start) * excitation, lowest, min(least, force)),
-            *_harmonics_words(curve, force / excitation, force, options.harmonics),
         ),
     )
+
+
+def _with_check(curve: PeakRidge, ridges: RidgeMap, stages: CaseStages, accuracy: float) -> PeakRidge:
+    """The curve with a check of its lowest minimum at which pairs slip, by a whole curve with more harmonics; a warning
+    where that fails."""
+    minimum = curve.slipping_minimum
+    if minimum is None:
+        return curve
+    value = minimum.parameter
+    stages.report.stage(f"check at {value:.4g} N")
+    known: list[RidgeStage] = []
+
+    def stage_of(harmonics: int) -> RidgeStage:
+        options = replace(stages.options, harmonics=harmonics)
+        known.append(replace(stages, options=options)(value, known[-1] if known else None))
+        return known[-1]
+
+    found = checked_peak(stage_of, value, stages.options.harmonics, accuracy, ridges.curve_window(value))
+    if isinstance(found, str):
+        why = f"The minimum at {value:.4g} N was not checked with more harmonics: {found}"
+        return replace(curve, warnings=(*curve.warnings, why))
+    return replace(curve, checked=(found,))
 
 
 def _beginning(start: float, lowest: float, wanted: float) -> tuple[str, ...]:
@@ -144,22 +167,6 @@ def _beginning(start: float, lowest: float, wanted: float) -> tuple[str, ...]:
     if lowest == wanted or start > lowest * LOWEST_FORCE_TO:
         return ()
     return (f"Below {lowest:.3g} N the roughness gives the faces no contact stiffness, so the curve begins there.",)
-
-
-def _harmonics_words(curve: PeakRidge, own: float, force: float, harmonics: int) -> tuple[str, ...]:
-    """A sentence if more pairs move at some peak than at that of the study, which is at ``own`` and at the ``force``:
-    its harmonics may be too few for them."""
-    of_study = curve.parameter == own
-    moves_more = (curve.pairs_stuck < curve.pairs_stuck[of_study].min(initial=curve.pairs_stuck.max())) | (
-        curve.pairs_separating > curve.pairs_separating[of_study].max(initial=0)
-    )
-    if not moves_more.any():
-        return ()
-    return (
-        f"All peaks have {harmonics} harmonics, those of the peak of the study at {force:.4g} N. At other forces more "
-        "pairs slip or separate and may need more harmonics, which was not estimated: solve the study at the force of "
-        "interest.",
-    )
 
 
 def _lowest_force(family: CaseFamily, model: ReducedModel, low: float, force: float) -> float:

@@ -34,19 +34,21 @@ def checked_amplitudes(amplitude: tuple[float, float]) -> tuple[float, float]:
     return float(values[0]), float(values[1])
 
 
-def require_allowed_amplitude(pairs: ContactPairs, start: LinearMode, highest: float, shown: float = 1.0) -> None:
+def require_allowed_amplitude(
+    pairs: ContactPairs, start: LinearMode, highest: float, shown: float | None = None
+) -> None:
     """Raise InputError if a law has no restoring force at the ``highest`` modal amplitude, in the shape of the linear
-    mode; ``shown`` is the amplitude in the message for a modal amplitude of 1."""
+    mode; ``shown`` is the amplitude of the first output, m, for a modal amplitude of 1, which the message then has."""
     motion = highest * np.abs(pairs.operator @ start.shape).reshape(-1, 3)
     ratio = motion / np.maximum(pairs.largest_motion, np.finfo(float).tiny)
     pair, axis = (int(place) for place in np.unravel_index(ratio.argmax(), ratio.shape))
     if ratio[pair, axis] > 1.0:
-        unit = "m kg^0.5" if shown == 1.0 else "m of the first output"
+        unit, scale = ("m kg^0.5", 1.0) if shown is None else ("m of the first output", shown)
         raise InputError(
-            f"at the largest amplitude of the mode, {shown * highest:.4g} {unit}, pair {pair} moves by "
+            f"at the largest amplitude of the mode, {scale * highest:.4g} {unit}, pair {pair} moves by "
             f"{1e6 * motion[pair, axis]:.4g} um, but its softening law resists only up to "
             f"{1e6 * pairs.largest_motion[pair, axis]:.4g} um. Use at most "
-            f"{shown * highest / ratio[pair, axis]:.4g} {unit}.",
+            f"{scale * highest / ratio[pair, axis]:.4g} {unit}.",
             arguments=["amplitude"],
         )
 

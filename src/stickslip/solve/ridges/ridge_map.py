@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.core.validation import FloatArray
+from stickslip.results.checked_peak import spread
 from stickslip.results.peak_ridge import PeakRidge, log_interpolated
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.balance import relative_norm
@@ -55,7 +56,8 @@ class RidgeMap:
     """Ridges over a range of the parameter.
 
     ``stage_at`` gives the equations at a value, ``named`` a value in words; ``work`` limits the work; ``modes`` are the
-    numbers from 0 of the stuck modes whose linear peaks count, None for all.
+    numbers from 0 of the stuck modes whose linear peaks count, None for all. Whole curves go beyond all linear peaks
+    and ridges by the factor ``around``, None for the whole range of frequencies.
     """
 
     def __init__(
@@ -67,12 +69,13 @@ class RidgeMap:
         named: Callable[[float], str] = "{:.4g}".format,
         work: Work | None = None,
         modes: frozenset[int] | None = None,
+        around: float | None = None,
     ) -> None:
         self._make_stage = stage_at
         self._earlier: RidgeStage | None = None
         self._stage_at = lru_cache(maxsize=2)(self._counted_stage)
         self.work = work or Work()
-        self._modes = modes
+        self._modes, self._around = modes, around
         self._bounds = bounds
         self._report = report
         self._pace = pace or Pace()
@@ -98,10 +101,10 @@ class RidgeMap:
         """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""
         self._report.stage(f"frequency curve at {self._named(value)}")
         stage = self._stage_at(value)
-        if (free := stage.free_peak()).bracketed:
+        if (free := stage.free_peaks[0]).bracketed:
             self._free[value] = free
         try:
-            branch = stage.whole_curve()
+            branch = stage.whole_curve(self.curve_window(value))
         except ConvergenceError as error:
             self.warnings.append(f"There is no frequency curve at {self._named(value)}: {error}")
             return
@@ -159,6 +162,7 @@ class RidgeMap:
         start = RidgePoint.start(value, peak, stage)
         if self._is_known(start):
             return
+        start = self._pace.estimated(start, stage)
         parts, ends = [], []
         for stop in self._bounds:
             part, end = follow(self._searched, start, stop, self._pace, self._needless, self._is_low)
@@ -346,6 +350,7 @@ class RidgeMap:
             output_name=output_name,
             start=np.asarray(start),
             stop=np.asarray(stop),
+            estimated_error=self._errors(),
             unknown=np.array(self._unknown).reshape(-1, 2),
             ends=tuple(each.ends for each in self.ridges),
             converged=False,
@@ -361,11 +366,30 @@ class RidgeMap:
         }
         return replace(ridge, converged=converged, message=message, settings=work)
 
+    def _errors(self) -> FloatArray | None:
+        """(n_points,) estimated errors of all points, None if none was estimated."""
+        if math.isinf(self._pace.estimate_every):
+            return None
+        return np.concatenate([spread([each.error for each in ridge.points]) for ridge in self.ridges])
+
+    def curve_window(self, value: float) -> tuple[float, float]:
+        """The range of frequencies, Hz, of a whole curve: that of all linear peaks and of the ridges there, and the
+        factor ``around`` beyond."""
+        stage = self._stage_at(value)
+        low, high = stage.window
+        if self._around is None:
+            return low, high
+        found = [each.frequency_hz for each in (*stage.free_peaks, *stage.stuck_peaks(self._modes)) if each.bracketed]
+        for ridge in self.ridges:
+            near = min(ridge.points, key=lambda each: abs(math.log(each.parameter / value)))
+            found.append(near.peak.omega / (2.0 * math.pi))
+        return max(low, min(found) / self._around), min(high, max(found) * self._around)
+
     def _see_free(self) -> None:
         """The peaks without contacts at both ends of the followed range, if no whole curve gave them."""
         values = [each.parameter for ridge in self.ridges for each in ridge.points]
         for value in {min(values), max(values)} - set(self._free):
-            if (free := self._stage_at(value).free_peak()).bracketed:
+            if (free := self._stage_at(value).free_peaks[0]).bracketed:
                 self._free[value] = free
 
     def _coverage(self, ridge: PeakRidge) -> tuple[bool, str]:

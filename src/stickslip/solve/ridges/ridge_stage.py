@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -15,9 +16,11 @@ from stickslip.results.peaks import Peak
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.factors import LastFactor
-from stickslip.solve.harmonic.peak import BoundedCurve, PeakSearch
+from stickslip.solve.harmonic.neglected import more_harmonics, neglected
+from stickslip.solve.harmonic.peak import BoundedCurve, CurvePeak, PeakSearch
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.path.arc_length import Tangent
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
@@ -34,11 +37,10 @@ Problem = tuple[Superelement, ContactPairs, Excitation]
 class RidgeOptions:
     """Options that all values of the parameter share; see :func:`peak_ridge`.
 
-    Peaks are followed in ``frequency_hz``; whole curves are over ``curve_hz``, None for the same range.
+    Peaks are followed in ``frequency_hz``, over which whole curves are too.
     """
 
     frequency_hz: tuple[float, float]
-    curve_hz: tuple[float, float] | None = field(default=None, kw_only=True)
     harmonics: int = 5
     samples: int = 256
     update: Update = "tractrix"
@@ -69,7 +71,6 @@ class RidgeStage:
     solver: Newton[BalancePoint]
     search: PeakSearch
     window: tuple[float, float]  # Hz, rising
-    curve_window: tuple[float, float]  # Hz, rising; of whole curves
     _stuck_peaks: dict[int, Peak | None] = field(default_factory=dict)
 
     @classmethod
@@ -95,8 +96,7 @@ class RidgeStage:
         curve = BoundedCurve(balances.with_harmonics(options.harmonics), last, limits)
         solver = Newton(curve, options.newton, report.iteration)
         search = PeakSearch(curve, solver, output, lambda trial: balances.mean_row(trial, output), last)
-        whole = options.curve_hz or window
-        return cls(balances, output, solver, search, window, (min(whole), max(whole)))
+        return cls(balances, output, solver, search, window)
 
     def counted(self, work: Work) -> RidgeStage:
         """The same equations, whose work is counted."""
@@ -164,17 +164,27 @@ class RidgeStage:
         natural_hz = self.balances.closed.natural_hz
         return frozenset(np.flatnonzero((natural_hz >= min(window)) & (natural_hz <= max(window))).tolist())
 
-    def free_peak(self) -> Peak:
-        """The highest linear peak without contacts."""
-        return self.balances.free.peaks(self.window, self.balances.force, self.output)[0]
+    @cached_property
+    def free_peaks(self) -> list[Peak]:
+        """The linear peaks without contacts, highest first."""
+        return self.balances.free.peaks(self.window, self.balances.force, self.output)
 
     def amplitude(self, points: Sequence[BalancePoint]) -> FloatArray:
         """(n_points,) amplitude of the output at points of the curve."""
         return np.array([self.search.amplitude(point.trial) for point in points])
 
-    def whole_curve(self) -> Branch[BalancePoint]:
-        """The frequency curve over its window. Raises ConvergenceError without a first point."""
-        balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in self.curve_window)
+    def estimated_error(self, peak: CurvePeak) -> float:
+        """The relative error of a peak by neglected harmonics (:mod:`stickslip.solve.harmonic.neglected`)."""
+        balance, point, step = self.search.balance, peak.probe.point, peak.probe.tangent
+        more = more_harmonics(balance.harmonics, balance.samples, self.balances.damped_harmonics)
+        along = Tangent(step.unknowns, self.curve.measured_change(point, step), step.parameters)
+        fine = self.balances.with_harmonics(more)
+        return neglected(point.trial, balance, fine, along, self.search.last_factor).error
+
+    def whole_curve(self, window: tuple[float, float] | None = None) -> Branch[BalancePoint]:
+        """The frequency curve over a part of its window, Hz, or over all of it. Raises ConvergenceError without a first
+        point."""
+        balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in window or self.window)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
 
         def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
@@ -192,7 +202,7 @@ StageMaker = Callable[[float, RidgeStage | None], RidgeStage]
 
 class Work:
     """Iterations of Newton's method so far, with the preparation of the equations counted too, at most so many, and
-    points of all searches, also of those without a result."""
+    points of all searches, also of those without a result. Estimates of errors do not count."""
 
     def __init__(self, most: float = math.inf) -> None:
         self.most, self.done, self.points = most, 0.0, 0

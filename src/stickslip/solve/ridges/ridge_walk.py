@@ -7,8 +7,8 @@ and its other part consists of minima). A ridge of maxima is therefore single-va
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,13 +38,15 @@ class RidgePoint:
     """A maximum at a value of the parameter.
 
     ``mode`` is the stuck mode that was closest to the start of the ridge: the frequency of the peak follows that of the
-    mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one.
+    mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one. ``error`` is
+    the estimated relative one by neglected harmonics, None where it is not estimated.
     """
 
     parameter: float
     peak: CurvePeak
     mode: StuckMode
     stuck_amplitude: float
+    error: float | None = None
 
     @classmethod
     def start(cls, parameter: float, peak: CurvePeak, stage: RidgeStage) -> RidgePoint:
@@ -84,6 +86,8 @@ class Pace:
     largest_error:
         above it the step is repeated with half its length: the search arrived at another peak. After the first point,
         which predicts no change, twice this error is allowed.
+    estimate_every:
+        distance in the logarithm after which a point has an estimate of its error by neglected harmonics.
     """
 
     first_step: float = 0.1
@@ -92,6 +96,19 @@ class Pace:
     wanted_error: float = 0.02
     largest_error: float = 0.1
     most_points: int = 200
+    estimate_every: float = math.inf
+
+    def estimated(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint] = ()) -> RidgePoint:
+        """The point with an estimate of its error, if the last one of the ``earlier`` points is far. Where all pairs
+        stick nothing is neglected."""
+        if math.isinf(self.estimate_every):
+            return point
+        if point.is_stuck:
+            return replace(point, error=0.0)
+        last = next((each for each in reversed(earlier) if each.error), None)
+        if last is not None and abs(math.log(point.parameter / last.parameter)) < self.estimate_every:
+            return point
+        return replace(point, error=stage.estimated_error(point.peak))
 
     def next_point(self, stage: RidgeStage, near: list[RidgePoint], value: float) -> tuple[RidgePoint | str, float]:
         """The maximum at a value from points near it, and the error of its extrapolated logarithm.
@@ -176,7 +193,8 @@ def follow(
             step = SHRINKAGE * length
             continue
         leaps = 0
-        points.append(after)
+        assert not isinstance(stage, str)  # it has a point
+        points.append(pace.estimated(after, stage, points))
         if reason := is_needless(after):
             return points[1:], reason
         # The error of a polynomial of n points grows with the n-th power of the step.

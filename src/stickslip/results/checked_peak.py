@@ -1,0 +1,68 @@
+"""How far peaks of a ridge can be trusted: checks with more harmonics, and points with a large estimated error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.validation import FloatArray
+
+# Names in pictures.
+DOUBTFUL_PEAKS, CHECKED_MINIMUM = "computed peaks, error above 1 %", "minimum with slip, checked"
+DOUBTFUL = (
+    0.01  # chosen: ten times the demand on a ridge; pictures show points of a larger estimated error as open ones
+)
+
+
+class CheckedPeak(NamedTuple):
+    """The highest peak at a value of the parameter by a whole curve with more ``harmonics``.
+
+    ``amplitude`` in m; ``error`` is the estimated relative one by the harmonics that it still neglects, with that of
+    lower peaks which could be as high.
+    """
+
+    parameter: float
+    amplitude: float
+    frequency_hz: float
+    error: float
+    harmonics: int
+
+    def words(self, at: str, of_ridge: float) -> str:
+        """A sentence; ``at`` is the parameter in words, ``of_ridge`` the amplitude in m that the ridge has there."""
+        return (
+            f"Checked with {self.harmonics} harmonics by a whole curve at {at}: {1e6 * self.amplitude:.4g} µm at "
+            f"{self.frequency_hz:.2f} Hz, estimated error {100.0 * self.error:.2g} %; the ridge has "
+            f"{1e6 * of_ridge:.4g} µm."
+        )
+
+
+def is_doubtful(error: FloatArray | None, count: int) -> NDArray[np.bool_]:
+    """(count,) whether the estimated error of a point is above ``DOUBTFUL``; of points without estimates none."""
+    return np.zeros(count, dtype=bool) if error is None else np.asarray(error > DOUBTFUL)
+
+
+def doubtful_words(parameter: FloatArray, error: FloatArray | None, named: Callable[[float], str]) -> Iterator[str]:
+    """A sentence on doubtful points; ``named`` is a value of the parameter in words."""
+    if error is None or not (doubtful := error > DOUBTFUL).any():
+        return
+    there, worst = parameter[doubtful], int(np.argmax(error))
+    yield (
+        f"By neglected harmonics, {int(doubtful.sum())} of {error.size} peaks have an estimated error above "
+        f"{100.0 * DOUBTFUL:g} %, from {named(float(there.min()))} to {named(float(there.max()))}; the largest is "
+        f"{100.0 * float(error[worst]):.2g} % at {named(float(parameter[worst]))}. Solve the study there before you "
+        "use them."
+    )
+
+
+def spread(errors: list[float | None]) -> FloatArray:
+    """(n,) errors of the points of a ridge, of which some are known: others have the larger one of the nearest known
+    ones on both sides."""
+    known = [place for place, error in enumerate(errors) if error is not None]
+    values = np.array([errors[place] for place in known], dtype=float)
+    last = np.searchsorted(known, np.arange(len(errors)), side="right") - 1
+    after = np.searchsorted(known, np.arange(len(errors)))
+    most = len(known) - 1
+    return np.asarray(np.maximum(values[np.clip(last, 0, most)], values[np.clip(after, 0, most)]))
