@@ -45,6 +45,7 @@ from .core.errors import InputError as InputError
 from .core.errors import NotConvergedWarning as NotConvergedWarning
 from .core.errors import ResultsFileError as ResultsFileError
 from .core.errors import RoughnessError as RoughnessError
+from .core.errors import StickslipError as StickslipError
 from .core.errors import StudyFileError as StudyFileError
 from .formats.calculix_deck import write_calculix_deck as write_calculix_deck
 from .formats.frd import FrdStep as FrdStep

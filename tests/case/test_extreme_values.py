@@ -23,6 +23,7 @@ from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.units import Count, Quantity
 from stickslip.model.model import load_joint, set_up
 from stickslip.structure.elasticity import Structure
+from stickslip.structure.superelement import Superelement
 from stickslip.study.check import check
 from stickslip.study.facts import derived_quantities
 
@@ -123,7 +124,7 @@ def require_finite(case: Case) -> None:
     setup = set_up(case)
     joint = load_joint(case, setup.layout)
     structure = setup.assemble()
-    assert isinstance(structure, Structure)
+    assert isinstance(structure, Structure | Superelement)
     for array in (joint.preload, joint.normal_stiffness, joint.tangential_stiffness):
         assert np.isfinite(array).all()
     for matrix in (structure.stiffness, structure.mass):

@@ -74,7 +74,7 @@ def _resolution(view: View) -> str:
     """The harmonics and, with an accuracy, the estimated error of the peak."""
     response = view.response
     if response.estimated_error is None:
-        return f"{response.harmonics} harmonics"
+        return "1 harmonic" if response.harmonics == 1 else f"{response.harmonics} harmonics"
     wanted, reached = (
         number(100.0 * float(value), 2)
         for value in (response.settings["accuracy"], response.estimated_error[view.summary.peak.point])

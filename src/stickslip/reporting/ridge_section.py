@@ -14,7 +14,8 @@ from stickslip.reporting.section import Section
 from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.view import View
 from stickslip.results.checked_peak import CHECKED_MINIMUM, DOUBTFUL_PEAKS, CheckedPeak, is_doubtful
-from stickslip.results.peak_ridge import STUCK_OPTIMUM, Optimum, PeakRidge
+from stickslip.results.highest_peak import Optimum
+from stickslip.results.peak_ridge import STUCK_OPTIMUM, PeakRidge
 
 RidgeOf = Callable[[View], PeakRidge | None]
 # Prefixes of the ids of figures.

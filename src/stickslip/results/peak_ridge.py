@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicHermiteSpline
 from scipy.signal import find_peaks
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, require_positive
 from stickslip.results.checked_peak import CheckedPeak, doubtful_words, is_doubtful
 from stickslip.results.groups import read_groups, write_groups
+from stickslip.results.highest_peak import HighestPeak, Optimum, log_interpolated, optimum_at
 from stickslip.results.ridge_figure import RidgePicture, ridge_figure
 from stickslip.results.table import Table, column_of
 from stickslip.results.variables import Attribute, Flags, Json, Labelled, Numbers, Text, WholeNumbers, stored
@@ -32,32 +32,6 @@ STUCK_OPTIMUM = (
     "No pair slips there: the excitation hardly drives the stuck mode, so the peak is low without friction, and only "
     "in a range so narrow that this value is approximate. With slip, the lowest peak is that of the other minima."
 )
-
-
-@dataclass(frozen=True)
-class HighestPeak:
-    """The highest peak at some values of the parameter, (n,) each; NaN, and ridge -1, where no ridge is known."""
-
-    parameter: FloatArray
-    amplitude: FloatArray
-    frequency_hz: FloatArray
-    ridge: NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class Optimum:
-    """A value of the parameter with a low highest peak; ``edge`` names the end of the followed range at which it is,
-    "" for a minimum inside."""
-
-    parameter: float
-    amplitude: float
-    frequency_hz: float
-    edge: str = ""
-
-    @property
-    def is_inside(self) -> bool:
-        """Whether highest peaks are known on both sides."""
-        return not self.edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,7 +256,7 @@ class PeakRidge(Labelled):
     def optimum(self) -> Optimum:
         """The lowest of all highest peaks that were followed, also at an end of them (``edge``)."""
         top = self.highest()
-        return _optimum(top, int(np.nanargmin(top.amplitude)))
+        return optimum_at(top, int(np.nanargmin(top.amplitude)))
 
     @property
     def other_minima(self) -> tuple[Optimum, ...]:
@@ -290,7 +264,7 @@ class PeakRidge(Labelled):
         top, best = self.highest(), self.optimum
         known = np.flatnonzero(top.ridge >= 0)
         valleys, _ = find_peaks(-np.log(top.amplitude[known]), prominence=LEAST_RISE)
-        minima = [_optimum(top, int(place)) for place in known[valleys]]
+        minima = [optimum_at(top, int(place)) for place in known[valleys]]
         return tuple(
             sorted((each for each in minima if each.parameter != best.parameter), key=lambda each: each.amplitude)
         )
@@ -387,23 +361,3 @@ class PeakRidge(Labelled):
 
     def _named(self, value: float) -> str:
         return f"{self.parameter_name} = {value:.4g} {self.parameter_unit}".rstrip()
-
-
-def _optimum(top: HighestPeak, place: int) -> Optimum:
-    """The highest peak at a position of the grid, with the end at which it is."""
-    known = np.flatnonzero(top.ridge >= 0)
-    edge = ""
-    if place in (known[0], known[-1]):
-        edge = "the lower end of the followed range" if place == known[0] else "the upper end of the followed range"
-    elif (top.ridge[place - 1 : place + 2] < 0).any():
-        edge = "the edge of a gap in which the highest peak is unknown"
-    return Optimum(float(top.parameter[place]), float(top.amplitude[place]), float(top.frequency_hz[place]), edge)
-
-
-def log_interpolated(places: FloatArray, curve: FloatArray, at: FloatArray) -> FloatArray:
-    """A curve (n,) over rising places (n,), at others between them: cubic pieces whose slopes are those of parabolas
-    through three neighbours; linear for two points, constant for one."""
-    if places.size == 1:
-        return np.full(at.size, curve[0])
-    slopes = np.gradient(curve, places, edge_order=2 if places.size > 2 else 1)
-    return np.asarray(CubicHermiteSpline(places, curve, slopes)(at))

@@ -24,11 +24,11 @@ from stickslip.model.kinds.mesh import (
     MeshSetup,
     face_materials,
     fixed_unknowns_of,
-    node_groups_of,
     pairing_facts,
     pairing_of,
     read_source,
 )
+from stickslip.model.kinds.mesh_places import node_groups_of
 from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.mistuning import blade_nodes
 from stickslip.model.kinds.own import OwnKind

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.case.case import MeshCase, SolidCase
+from stickslip.case.case import MeshCase
 from stickslip.case.interface_sections import GROUND, MeshInterfaceSection
-from stickslip.case.own_sections import MeshFileSection, PlaceSection
+from stickslip.case.own_sections import MeshFileSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground
 from stickslip.contact.pairing.pairing_result import FROM_PAIRING, Pairing, write_pairs
@@ -21,18 +21,15 @@ from stickslip.formats.meshes.read import read_model
 from stickslip.model.kinds.body_materials import body_materials
 from stickslip.model.kinds.distributed_loads import load_sizes, unit_loads
 from stickslip.model.kinds.entry import named_entry
+from stickslip.model.kinds.mesh_places import following_groups, node_groups_of, require_free
 from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.kinds.ties import (
-    StudyTies,
     eliminated,
-    following_group,
-    reference_group,
     require_independent,
     study_ties,
 )
 from stickslip.model.layout import BaseMotionOfSupport, Derived, Layout, NodeGroup
-from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_joints
 from stickslip.model.rotation import (
     ADD_CORIOLIS,
@@ -46,7 +43,6 @@ from stickslip.structure.attachments import Attachments, attach
 from stickslip.structure.body_load import translation_inertia
 from stickslip.structure.constraints import Constraints
 from stickslip.structure.elasticity import Hexahedron, Material, Structure, assemble_bodies
-from stickslip.structure.faces import face_geometry
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import body_volumes, bounding_box, model_oddities
 from stickslip.structure.rotating import RotatingBodies
@@ -153,7 +149,7 @@ class MeshKind(OwnKind[MeshCase]):
             groups = node_groups_of(case, source)
             constraints = eliminated(ties, fixed, named, groups)
             require_independent(constraints, source, named)
-            groups |= _following(case, source, groups, ties, constraints)
+            groups |= following_groups(case, source, groups, ties, constraints)
             layout = _layout(case, source, materials, named, (fixed, constraints), groups, odd_values)
             if ties is not None:
                 layout = replace(
@@ -268,7 +264,7 @@ def _layout(
     if source.attachments is not None:
         supported = np.union1d(fixed, source.attachments.grounded).astype(np.int64)
     require_support(mesh, pairs.nodes, supported, constraints, source)
-    _require_free(named, node_groups, fixed, source)
+    require_free(named, node_groups, fixed, source)
     messages = (
         *source.doubts,
         *(() if case.rotation is None else free_body_messages(mesh, supported, constraints)),
@@ -321,81 +317,3 @@ def _body_of(mesh: Mesh, name: str) -> int:
     nodes = mesh.node_set(name)
     members = [np.isin(nodes, mesh.nodes_of_body(body)).sum() for body in range(len(mesh.body_names))]
     return int(np.argmax(members))
-
-
-def node_groups_of(case: SolidCase, source: ImportedModel) -> dict[str, NodeGroup]:
-    """The groups of all places but those of reference nodes."""
-    return {
-        name: node_group_of(source, name, section)
-        for name, section in case.places.items()
-        if not _is_reference(source, section)
-    }
-
-
-def _is_reference(source: ImportedModel, section: PlaceSection) -> bool:
-    return source.equations is not None and _reference_label(source, section) in source.equations.places
-
-
-def _reference_label(source: ImportedModel, section: PlaceSection) -> int | None:
-    """The number of the node of a place, if it is given by number or by a set of one reference node."""
-    if section.set is not None and section.spread != "area":
-        return source.reference_sets.get(section.set)
-    return section.node
-
-
-def _following(
-    case: MeshCase,
-    source: ImportedModel,
-    groups: Mapping[str, NodeGroup],
-    ties: StudyTies | None,
-    constraints: Constraints | None,
-) -> dict[str, NodeGroup]:
-    """The groups of reference nodes, and of single nodes that follow others. Raises InputError that names the entry."""
-    answer: dict[str, NodeGroup] = {}
-    if ties is None or constraints is None:
-        return answer
-    for name, section in case.places.items():
-        if name in groups:
-            answer[name] = following_group(groups[name], source.mesh, constraints)
-            continue
-        with named_entry(name), concerning(f"{name}.{'node' if section.set is None else 'set'}"):
-            label = _reference_label(source, section)
-            answer[name] = reference_group(int(label or 0), ties.equations, constraints)
-    return answer
-
-
-def node_group_of(source: ImportedModel, name: str, section: PlaceSection) -> NodeGroup:
-    """The nodes of a place with their weights. Raises InputError that names the entry."""
-    mesh = source.mesh
-    with named_entry(name):
-        if section.node is not None:
-            with concerning(f"{name}.node"):
-                return NodeGroup.single(int(source.node_numbers(np.array([section.node]))[0]))
-        if section.set is not None:
-            with concerning(f"{name}.set"):
-                if section.spread == "area":
-                    nodes, area, _ = face_geometry(mesh, section.set)
-                    return NodeGroup(nodes, area / area.sum())
-                return NodeGroup.equal(mesh.node_set(section.set))
-        with concerning(f"{name}.point"):
-            return NodeGroup.single(nearest_node(mesh.points, np.array(section.point)))
-
-
-def _require_free(
-    pairings: Mapping[str, Pairing], node_groups: Mapping[str, NodeGroup], fixed: IntArray, source: ImportedModel
-) -> None:
-    """Raise InputError for a contact pair, a force or a response on a constrained node."""
-    constrained = np.unique(fixed // 3)
-    for name, pairing in pairings.items():
-        wrong = np.intersect1d(pairing.pairs.nodes, constrained)
-        if wrong.size:
-            raise InputError(
-                f"interfaces.{name}: node {source.shown(source.node_labels[wrong[0]])} of the file is in a "
-                f"constraint and in a contact pair ({wrong.size} nodes are). Remove these nodes from the "
-                "faces or from the constraint.",
-                (f"interfaces.{name}",),
-            )
-    for name, node_group in node_groups.items():
-        here = np.isin(node_group.nodes, constrained)
-        if node_group.blocks is None and (here.all() or (node_group.is_single and here.any())):
-            raise InputError(f"{name}: its nodes are constrained and cannot move. Choose another position.", [name])

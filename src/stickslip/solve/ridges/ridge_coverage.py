@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
-from stickslip.results.peak_ridge import log_interpolated
+from stickslip.results.highest_peak import log_interpolated
+from stickslip.results.peak_ridge import PeakRidge
 from stickslip.solve.ridges.ridge_walk import RidgePoint
 
 # chosen: the minimum is enclosed below where the highest peak has risen to this multiple of it; the dips of friction
@@ -71,3 +72,17 @@ def passes_through(points: Sequence[RidgePoint], point: RidgePoint) -> bool:
         abs(log_interpolated(places, omega, at)[0] - math.log(point.peak.omega)) < JOINED_FREQUENCY
         and abs(log_interpolated(places, amplitude, at)[0] - math.log(point.peak.amplitude)) < JOINED_AMPLITUDE
     )
+
+
+def coverage(ridge: PeakRidge, reasons: Collection[str], named: Callable[[float], str]) -> tuple[bool, str]:
+    """Whether the highest peak is known over the whole range, and words on it.
+
+    ``reasons`` are those why ridges end, ``named`` is a value of the parameter in words.
+    """
+    top = ridge.highest()
+    known = np.flatnonzero(top.ridge >= 0)
+    if known.size == top.ridge.size:
+        return True, "The highest peak is known over the whole range."
+    low, high = (named(float(top.parameter[place])) for place in (known[0], known[-1]))
+    gaps = " with gaps" if known[-1] - known[0] + 1 > known.size else ""
+    return False, f"The highest peak is known from {low} to {high} only{gaps}: {'; '.join(reasons)}."

@@ -13,12 +13,13 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.core.validation import FloatArray
 from stickslip.results.checked_peak import spread
-from stickslip.results.peak_ridge import PeakRidge, log_interpolated
+from stickslip.results.highest_peak import log_interpolated
+from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.balance import relative_norm
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.path.problem import Plane
-from stickslip.solve.ridges.ridge_coverage import is_enclosed_below, middle_of_gap, passes_through
+from stickslip.solve.ridges.ridge_coverage import coverage, is_enclosed_below, middle_of_gap, passes_through
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import StageReport
@@ -359,12 +360,17 @@ class RidgeMap:
             settings={},
             provenance={},
         )
-        converged, message = self._coverage(ridge)
+        converged, message = coverage(ridge, self._reasons(), self._named)
         work: dict[str, str | float | int] = {
             "points_of_searches": self.work.points,
             "points_of_whole_curves": self.points_of_curves,
         }
         return replace(ridge, converged=converged, message=message, settings=work)
+
+    def _reasons(self) -> list[str]:
+        """Why ridges end, each reason once."""
+        found = dict.fromkeys(reason for ridge in self.ridges for reason in ridge.ends)
+        return [reason for reason in found if reason not in ("", JOINED)]
 
     def _errors(self) -> FloatArray | None:
         """(n_points,) estimated errors of all points, None if none was estimated."""
@@ -391,24 +397,3 @@ class RidgeMap:
         for value in {min(values), max(values)} - set(self._free):
             if (free := self._stage_at(value).free_peaks[0]).bracketed:
                 self._free[value] = free
-
-    def _coverage(self, ridge: PeakRidge) -> tuple[bool, str]:
-        """Whether the highest peak is known over the whole range, and words on it."""
-        top = ridge.highest()
-        missing = top.parameter[top.ridge < 0]
-        if not missing.size:
-            return True, "The highest peak is known over the whole range."
-        known = top.parameter[top.ridge >= 0]
-        reasons = "; ".join(
-            dict.fromkeys(reason for ends in ridge.ends for reason in ends if reason not in ("", JOINED))
-        )
-        return False, (
-            f"The highest peak is known from {self._named(float(known.min()))} to {self._named(float(known.max()))} "
-            f"only{' with gaps' if self._has_gap(ridge) else ''}: {reasons}."
-        )
-
-    @staticmethod
-    def _has_gap(ridge: PeakRidge) -> bool:
-        top = ridge.highest()
-        known = np.flatnonzero(top.ridge >= 0)
-        return bool(known[-1] - known[0] + 1 > known.size)

@@ -1,0 +1,57 @@
+"""The highest of several ridges of peaks: its values, its low places, and how it is interpolated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from stickslip.core.validation import FloatArray
+
+
+@dataclass(frozen=True)
+class HighestPeak:
+    """The highest peak at some values of the parameter, (n,) each; NaN, and ridge -1, where no ridge is known."""
+
+    parameter: FloatArray
+    amplitude: FloatArray
+    frequency_hz: FloatArray
+    ridge: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """A value of the parameter with a low highest peak; ``edge`` names the end of the followed range at which it is,
+    "" for a minimum inside."""
+
+    parameter: float
+    amplitude: float
+    frequency_hz: float
+    edge: str = ""
+
+    @property
+    def is_inside(self) -> bool:
+        """Whether highest peaks are known on both sides."""
+        return not self.edge
+
+
+def optimum_at(top: HighestPeak, place: int) -> Optimum:
+    """The highest peak at a position of the grid, with the end at which it is."""
+    known = np.flatnonzero(top.ridge >= 0)
+    edge = ""
+    if place in (known[0], known[-1]):
+        edge = "the lower end of the followed range" if place == known[0] else "the upper end of the followed range"
+    elif (top.ridge[place - 1 : place + 2] < 0).any():
+        edge = "the edge of a gap in which the highest peak is unknown"
+    return Optimum(float(top.parameter[place]), float(top.amplitude[place]), float(top.frequency_hz[place]), edge)
+
+
+def log_interpolated(places: FloatArray, curve: FloatArray, at: FloatArray) -> FloatArray:
+    """A curve (n,) over rising places (n,), at others between them: cubic pieces whose slopes are those of parabolas
+    through three neighbours; linear for two points, constant for one."""
+    if places.size == 1:
+        return np.full(at.size, curve[0])
+    slopes = np.gradient(curve, places, edge_order=2 if places.size > 2 else 1)
+    return np.asarray(CubicHermiteSpline(places, curve, slopes)(at))
