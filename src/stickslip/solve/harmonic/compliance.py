@@ -207,11 +207,11 @@ class StuckStructure:
     @cached_property
     def damping_root(self) -> FloatArray | None:
         """(n, p) whose product with its transpose is the damping of modal ratios, of p modes; None for a matrix."""
-        superelement, _, ratio = self.origin
+        _, highest_omega, ratio = self.origin
         if ratio is None:
             return None
-        modal = self.modal_damping  # Coriolis forces have no diagonal
-        return damping_root(superelement.mass, self.modes, modal if modal.ndim == 1 else np.diag(modal))
+        # The diagonal of modal_damping would be this too, but with the round-off of Coriolis forces, of either sign.
+        return damping_root(self.mass, self.modes, modal_damping(self.circular_frequency, ratio, highest_omega))
 
     @property
     def mass(self) -> FloatArray:
