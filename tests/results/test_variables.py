@@ -50,6 +50,7 @@ YOUNGER = {
     "/part",
     "/stability_message",
     "study/mode_reference",
+    "study/notes",
     "sketch/motion_frequency",
 }
 YOUNGER |= STABILITY | {
