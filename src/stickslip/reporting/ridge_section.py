@@ -21,6 +21,7 @@ RidgeOf = Callable[[View], PeakRidge | None]
 # Prefixes of the ids of figures.
 _PERFORMANCE, _RIDGE = "performance", "ridge"
 _LEGEND = {"legend": 60}  # px, of a legend of three rows
+_HEIGHT = 480  # px, with a legend of eight rows in half the width of a page
 
 
 def _performance(view: View) -> PeakRidge | None:
@@ -127,11 +128,11 @@ def _figures(ridge_of: RidgeOf, prefix: str) -> Callable[[View], dict[str, Figur
         up = log_axis("0-to-peak, µm", [10.0**end for end in ends], range=ends)
         return {
             f"{prefix}-amplitude": figure_of(
-                amplitudes, 380, hovermode="closest", meta=_LEGEND,
+                amplitudes, _HEIGHT, hovermode="closest", meta=_LEGEND,
                 xaxis=across, yaxis=up,
             ),
             f"{prefix}-frequency": figure_of(
-                _panel(ridge, here, of_amplitude=False), 380, hovermode="closest", meta=_LEGEND,
+                _panel(ridge, here, of_amplitude=False), _HEIGHT, hovermode="closest", meta=_LEGEND,
                 xaxis=across, yaxis=axis_look("Frequency, Hz"),
             ),
         }  # fmt: skip
