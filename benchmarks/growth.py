@@ -20,6 +20,7 @@ from rough_casting import rough_casting
 
 from stickslip.case.case import Case
 from stickslip.model.model import build_joint, build_model, build_structure
+from stickslip.structure.elasticity import Structure
 from stickslip.study.analyses import solve
 
 REDUCTION = "--reduction"
@@ -51,6 +52,7 @@ def measure(n_pairs: int, only_reduction: bool) -> dict[str, float]:
     case = case_with(n_pairs)
     begin = time.process_time()
     structure = build_structure(case)
+    assert isinstance(structure, Structure)  # two blades at rest
     joint = build_joint(case, structure)
     assembled = time.process_time()
     model = build_model(case, structure, joint, threads=1)

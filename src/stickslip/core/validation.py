@@ -15,6 +15,13 @@ from stickslip.core.errors import InputError
 FloatArray = NDArray[np.float64]
 
 
+def set_fields(instance: object, **values: Any) -> None:
+    """Set fields of a frozen dataclass whose constructor is written out, because it accepts more than a field contains:
+    numbers and lists for arrays."""
+    for name, value in values.items():
+        object.__setattr__(instance, name, value)
+
+
 def argument_error(name: str, sentence: str) -> InputError:
     """The error about the argument ``name``. Callers may name an entry of it, "outputs[0]", or use words instead, which
     are no argument's name."""

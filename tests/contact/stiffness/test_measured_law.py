@@ -75,4 +75,4 @@ def test_its_name_finds_it() -> None:
 )
 def test_a_wrong_table_is_rejected(pressure: list[float], normal: list[float], key: str) -> None:
     with rejects(ss.InputError, key):
-        ss.MeasuredStiffness(pressure, normal, normal)  # type: ignore[arg-type]
+        ss.MeasuredStiffness(pressure, normal, normal)

@@ -25,7 +25,7 @@ from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.contact.law.normal_law import SpringLaw
 from stickslip.core.errors import InputError
 from stickslip.core.short_repr import short_repr
-from stickslip.core.validation import FloatArray, per_pair, require_positive
+from stickslip.core.validation import FloatArray, per_pair, require_positive, set_fields
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class CoulombLaw(FrictionLaw):
     Parameters
     ----------
     normal_stiffness:
-        (p,) N/m, above zero.
+        (p,) N/m, above zero, for each pair. The others may be numbers, for all pairs.
     tangential_stiffness:
         (p,) N/m, above zero, or (p, 2) for different stiffness along t1 and t2.
     friction_coefficient:
@@ -71,6 +71,28 @@ class CoulombLaw(FrictionLaw):
     update: Update = "tractrix"
 
     __repr__ = short_repr
+
+    def __init__(
+        self,
+        normal_stiffness: ArrayLike,
+        tangential_stiffness: ArrayLike,
+        friction_coefficient: ArrayLike,
+        normal_load: ArrayLike,
+        gap: ArrayLike,
+        residual_traction: ArrayLike | None = None,
+        update: Update = "tractrix",
+    ) -> None:
+        set_fields(
+            self,
+            normal_stiffness=normal_stiffness,
+            tangential_stiffness=tangential_stiffness,
+            friction_coefficient=friction_coefficient,
+            normal_load=normal_load,
+            gap=gap,
+            residual_traction=residual_traction,
+            update=update,
+        )
+        self.__post_init__()
 
     @classmethod
     def with_preload(

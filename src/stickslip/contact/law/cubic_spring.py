@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import ElasticLaw, pairs_in, per_component, require_at_least_zero
 from stickslip.contact.law.law import ContactState
 from stickslip.core.short_repr import short_repr
-from stickslip.core.validation import FloatArray
+from stickslip.core.validation import FloatArray, set_fields
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,10 @@ class CubicSpring(ElasticLaw):
     )
 
     __repr__ = short_repr
+
+    def __init__(self, stiffness: ArrayLike, cubic_stiffness: ArrayLike, *, rest_displacement: ArrayLike = 0.0) -> None:
+        set_fields(self, stiffness=stiffness, cubic_stiffness=cubic_stiffness, rest_displacement=rest_displacement)
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.stiffness, self.cubic_stiffness)

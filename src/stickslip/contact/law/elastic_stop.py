@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import ElasticLaw, pairs_in, require_at_least_zero
 from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.short_repr import short_repr
-from stickslip.core.validation import FloatArray, per_pair, require_positive
+from stickslip.core.validation import FloatArray, per_pair, require_positive, set_fields
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class ElasticStop(ElasticLaw):
     Parameters
     ----------
     stiffness:
-        (p,) N/m of the stop, above zero.
+        (p,) N/m of the stop, above zero; a number applies to all pairs, also below.
     gap:
         (p,) m of the unloaded pair, above zero.
     spring:
@@ -60,6 +61,20 @@ class ElasticStop(ElasticLaw):
     )
 
     __repr__ = short_repr
+
+    def __init__(
+        self,
+        stiffness: ArrayLike,
+        gap: ArrayLike,
+        spring: ArrayLike = 0.0,
+        two_sided: bool = False,
+        *,
+        rest_displacement: ArrayLike = 0.0,
+    ) -> None:
+        set_fields(
+            self, stiffness=stiffness, gap=gap, spring=spring, two_sided=two_sided, rest_displacement=rest_displacement
+        )
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.stiffness, self.gap, self.spring)

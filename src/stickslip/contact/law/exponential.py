@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update, friction_cycle, friction_force, friction_tangent
@@ -30,7 +31,7 @@ from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.short_repr import short_repr
-from stickslip.core.validation import FloatArray
+from stickslip.core.validation import FloatArray, set_fields
 
 # chosen: a pair whose normal force falls below this fraction of that at rest counts as separating. It never opens.
 NEARLY_OPEN = 0.01
@@ -96,6 +97,26 @@ class ExponentialContact(FrictionLaw):
     update: Update = "tractrix"
 
     __repr__ = short_repr
+
+    def __init__(
+        self,
+        normal_stiffness: ArrayLike,
+        tangential_stiffness: ArrayLike,
+        friction_coefficient: ArrayLike,
+        normal_load: ArrayLike,
+        residual_traction: ArrayLike | None = None,
+        update: Update = "tractrix",
+    ) -> None:
+        set_fields(
+            self,
+            normal_stiffness=normal_stiffness,
+            tangential_stiffness=tangential_stiffness,
+            friction_coefficient=friction_coefficient,
+            normal_load=normal_load,
+            residual_traction=residual_traction,
+            update=update,
+        )
+        self.__post_init__()
 
     def _require_rest(self) -> None:
         unloaded = np.flatnonzero(self.normal_load <= 0.0)

@@ -24,7 +24,7 @@ from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
 from stickslip.core.short_repr import short_repr
-from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
+from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive, set_fields
 
 # Towards -1 the backbone is a difference of nearly equal terms: its error is 1e-5 at -1 + 1e-9 and 1e-4 at -1 + 1e-12.
 # Measured joints have -0.9 to -0.2 (Segalman 2005).
@@ -41,7 +41,7 @@ class IwanJoint(RestingNormalForce, HystereticLaw):
     Parameters
     ----------
     tangential_stiffness:
-        K_T, (p,) or (p, 2) N/m, above zero: of small motions.
+        K_T, (p,) or (p, 2) N/m, above zero: of small motions. For this and the others, a number applies to all pairs.
     slip_force:
         F_S, (p,) or (p, 2) N, above zero: at which the complete patch slides.
     exponent:
@@ -79,6 +79,29 @@ class IwanJoint(RestingNormalForce, HystereticLaw):
     path_to_rest: FloatArray | None = None
 
     __repr__ = short_repr
+
+    def __init__(
+        self,
+        tangential_stiffness: ArrayLike,
+        slip_force: ArrayLike,
+        exponent: ArrayLike,
+        ratio: ArrayLike,
+        normal_stiffness: ArrayLike = 0.0,
+        path_to_rest: ArrayLike | None = None,
+        *,
+        rest_normal_force: ArrayLike = 0.0,
+    ) -> None:
+        set_fields(
+            self,
+            tangential_stiffness=tangential_stiffness,
+            slip_force=slip_force,
+            exponent=exponent,
+            ratio=ratio,
+            normal_stiffness=normal_stiffness,
+            path_to_rest=path_to_rest,
+            rest_normal_force=rest_normal_force,
+        )
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         constants = (self.tangential_stiffness, self.slip_force, self.exponent, self.ratio, self.normal_stiffness)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
@@ -18,7 +19,7 @@ from stickslip.contact.law.traction_at_rest import traction_of_pairs
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
 from stickslip.core.short_repr import short_repr
-from stickslip.core.validation import FloatArray, per_pair, require_positive
+from stickslip.core.validation import FloatArray, per_pair, require_positive, set_fields
 
 # A trial force beyond the limit by this fraction of it is the round-off of an element that shakes down to its limit.
 ROUND_OFF = 1e-13
@@ -43,7 +44,7 @@ class JenkinsElement(RestingNormalForce, HystereticLaw):
     Parameters
     ----------
     tangential_stiffness:
-        (p,) or (p, 2) N/m, 0 or above; 0 where a direction has no element.
+        (p,) or (p, 2) N/m, 0 or above; 0 where a direction has no element. A number applies to all pairs, also below.
     friction_limit:
         (p,) or (p, 2) N, above zero.
     normal_stiffness:
@@ -72,6 +73,25 @@ class JenkinsElement(RestingNormalForce, HystereticLaw):
     residual_traction: FloatArray | None = None
 
     __repr__ = short_repr
+
+    def __init__(
+        self,
+        tangential_stiffness: ArrayLike,
+        friction_limit: ArrayLike,
+        normal_stiffness: ArrayLike = 0.0,
+        residual_traction: ArrayLike | None = None,
+        *,
+        rest_normal_force: ArrayLike = 0.0,
+    ) -> None:
+        set_fields(
+            self,
+            tangential_stiffness=tangential_stiffness,
+            friction_limit=friction_limit,
+            normal_stiffness=normal_stiffness,
+            residual_traction=residual_traction,
+            rest_normal_force=rest_normal_force,
+        )
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.tangential_stiffness, self.friction_limit, self.normal_stiffness)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.contact.preload import checked_area
 from stickslip.core.errors import InputError
 from stickslip.core.short_repr import short_repr
-from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
+from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive, set_fields
 
 # A law over the pressure is tabulated at this number of pressures, evenly spaced in their logarithm.
 TABLE_POINTS = 2000
@@ -83,6 +83,12 @@ class PressureGapLaw:
     stiffness: FloatArray | None = None
 
     __repr__ = short_repr
+
+    def __init__(
+        self, area: ArrayLike, closure: ArrayLike, pressure: ArrayLike, stiffness: ArrayLike | None = None
+    ) -> None:
+        set_fields(self, area=area, closure=closure, pressure=pressure, stiffness=stiffness)
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "area", checked_area(self.area))

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip.contact.constants import constant
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.short_repr import short_repr
-from stickslip.core.validation import FloatArray, finite_array, require_positive
+from stickslip.core.validation import FloatArray, finite_array, require_positive, set_fields
 
 # A load over an area that should be an end of the table differs from it by round-off only.
 ROUND_OFF = 1e-9
@@ -42,6 +43,12 @@ class MeasuredStiffness:
     tangential_stiffness: FloatArray = field(metadata=constant("N/m^3", is_table=True, description="per area"))
 
     __repr__ = short_repr
+
+    def __init__(self, pressure: ArrayLike, normal_stiffness: ArrayLike, tangential_stiffness: ArrayLike) -> None:
+        set_fields(
+            self, pressure=pressure, normal_stiffness=normal_stiffness, tangential_stiffness=tangential_stiffness
+        )
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         for name in ("pressure", "normal_stiffness", "tangential_stiffness"):
