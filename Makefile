@@ -49,7 +49,7 @@ LINTERS_BESIDE = $(MAKE) --no-print-directory lint & linters=$$!
 BOTH = tests=$$?; wait $$linters && exit $$tests
 
 check: $(INSTALLED)
-	@$(LINTERS_BESIDE); $(PYTEST) -m "not slow"; $(BOTH)
+	@$(LINTERS_BESIDE); $(PYTEST) -m "not slow" --durations=10 --durations-min=1; $(BOTH)
 
 # Continuous integration runs the longest tests too: processes that die, whole studies, benchmarks. They alone run some
 # lines, most of them those of the published study, so it also requires more of the coverage than pyproject.toml.

@@ -153,6 +153,7 @@ def test_a_damper_and_its_blades_have_one_speed() -> None:
     assert not any("normal loads" in words for words in same)  # the load is that of the speed
 
 
+@pytest.mark.slow
 def test_a_disk_of_a_study_has_the_frequencies_of_the_rotating_sector() -> None:
     case = disk_case(speed="9000 rpm")
     model, rest = build_model(case), build_model(disk_case())
@@ -226,6 +227,7 @@ def test_the_reduction_for_all_speeds_is_read_from_the_disk(tmp_path: Path, monk
     assert len(list((tmp_path / "cache").glob("rotating-*.npz"))) == 2
 
 
+@pytest.mark.slow
 def test_the_reduction_of_a_sector_is_read_from_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
     first = build_model(disk_case(speed="3000 rpm")).substructure.require_sector()
@@ -370,6 +372,7 @@ def test_the_gradient_of_a_peak_by_the_speed_is_that_of_two_more_runs(tmp_path: 
         assert 120.0 * of_peak[place] == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_coriolis_forces_of_a_disk_are_those_of_the_rotating_sector() -> None:
     model = build_model(disk_case(speed="9000 rpm", coriolis=True))
     sector = model.in_study.sector

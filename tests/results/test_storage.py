@@ -21,7 +21,6 @@ from sentences import printed_sentence, rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.results.groups import FORMAT_VERSION
-from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes, save_results
 from synthetic import synthetic_response, synthetic_study
@@ -65,20 +64,6 @@ def test_a_file_without_a_rough_face_is_read(response: ForcedResponse, tmp_path:
     with h5netcdf.File(tmp_path / "plain.nc", "r") as file:
         assert not [name for name in file["study"].variables if name.startswith("rough")]
     assert load_results(tmp_path / "plain.nc").study == study != synthetic_study(4, 3)
-
-
-@pytest.mark.parametrize(
-    ("change", "keys"),
-    [
-        ({"height": np.zeros(5)}, ("height",)),
-        ({"height": np.zeros((1, 5))}, ("height",)),
-        ({"height": np.full((3, 3), np.nan)}, ("height",)),
-        ({"length": 0.0}, ("length", "width")),
-    ],
-)
-def test_a_rough_face_that_is_no_grid_is_rejected(change: dict[str, Any], keys: tuple[str, ...]) -> None:
-    with rejects(InputError, *keys):
-        dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)  # type: ignore[type-var]
 
 
 def test_response_alone_and_anisotropic_pairs(response: ForcedResponse, tmp_path: Path) -> None:
@@ -229,30 +214,6 @@ def test_folder_that_does_not_exist(response: ForcedResponse, tmp_path: Path) ->
 def test_study_of_another_run_is_rejected(response: ForcedResponse, tmp_path: Path) -> None:
     with rejects(InputError):
         save_results(tmp_path / "results.nc", response, synthetic_study(11, 5))
-
-
-@pytest.mark.parametrize(
-    ("change", "key"),
-    [
-        ({"outputs": {}}, "outputs"),
-        ({"outputs": {"a": np.ones(3), "b": np.ones(4)}, "signal_groups": {}}, "outputs"),
-        ({"signal_groups": {"Damper": ("nowhere",)}}, "signal_groups"),
-        ({"pair_area": np.ones(3)}, "pair_face"),
-        ({"face_names": ("only one",)}, "pair_face"),
-        ({"mode_table": ({"freq": 1.0},)}, "mode_table"),
-        ({"mode_reference": ""}, "mode_reference"),
-        ({"mode_table": ({"reference_hz": 0.0},)}, "mode_table"),
-    ],
-)
-def test_wrong_study_records_are_rejected(change: dict[str, Any], key: str) -> None:
-    with rejects(InputError, key):
-        dataclasses.replace(synthetic_study(4, 3), **change)
-
-
-def test_provenance_names_the_versions() -> None:
-    provenance = run_provenance()
-    assert provenance["numpy"] == np.__version__
-    assert provenance["date"].endswith("+00:00")
 
 
 ABSURD = {

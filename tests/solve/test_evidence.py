@@ -43,6 +43,7 @@ def test_a_slow_resonance_has_not_settled_though_successive_periods_agree() -> N
     assert found[1] == "from the linear stuck response"
 
 
+@pytest.mark.slow
 def test_only_at_the_end_of_a_curve_shorter_steps_test_a_settled_motion(monkeypatch: pytest.MonkeyPatch) -> None:
     settling, omega = lost_resonance(), 2.0 * np.pi * 341.0
     monkeypatch.setattr(evidence_module, "PERIODS", 1500)  # a slow resonance

@@ -250,6 +250,7 @@ def test_a_gap_is_open_at_rest_and_closes_at_its_width() -> None:
     assert np.abs(heavy.displacement[~touching, 0, 0]).max() < 1e-15
 
 
+@pytest.mark.slow
 def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> None:
     call = partial(
         forced_response,

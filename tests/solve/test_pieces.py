@@ -276,6 +276,7 @@ def parted_resonance(monkeypatch: pytest.MonkeyPatch, **options: Any) -> ss.Forc
     return response
 
 
+@pytest.mark.slow
 def test_pieces_with_more_harmonics_that_are_the_same_motion_are_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """The points before have more harmonics than the one beyond, from which they go on."""
     parted = parted_resonance(monkeypatch, newtons=40.0)
@@ -296,6 +297,7 @@ def test_a_lost_curve_with_an_accuracy_goes_on_with_the_harmonics_of_the_settled
     assert parted.amplitude(ROW) == pytest.approx(wanted, rel=0.01)  # linear between points
 
 
+@pytest.mark.slow
 def test_a_curve_ends_at_the_limit_of_its_work_with_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(forced, "WORK_PER_POINT", 0.02)
     with pytest.warns(ss.NotConvergedWarning):

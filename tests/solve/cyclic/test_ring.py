@@ -102,6 +102,7 @@ def test_coriolis_forces_of_a_sector_are_those_of_the_ring(direction: Any, ratio
     assert np.abs(still - motion).max() > 0.05 * size
 
 
+@pytest.mark.slow
 def test_energies_and_frequencies_of_a_curve_with_coriolis_forces() -> None:
     disk = SmallDisk.of(6, whirls=True)
     curves = {}

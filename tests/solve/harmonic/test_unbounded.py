@@ -120,6 +120,7 @@ def test_a_normal_load_that_can_vary_makes_it_a_warning() -> None:
     printed_sentence("\n".join(response.warnings), f"{HOLDS:.4g} N")
 
 
+@pytest.mark.slow
 @ends_early
 def test_a_mode_in_which_contacts_only_open_and_close_has_a_warning() -> None:
     response = solve(0.1, operator=[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]], continuation=FEW_POINTS)

@@ -235,6 +235,7 @@ def test_harmonics_grow_within_the_allowed_work(monkeypatch: pytest.MonkeyPatch)
     printed_sentence("\n".join(each for each in mode.warnings if "accuracy" in each))
 
 
+@pytest.mark.slow
 def test_harmonics_grow_until_the_accuracy_is_reached() -> None:
     """Rigid friction: beside a mode with many more harmonics, the error is below the accuracy at all points."""
     problem = two_masses(1e2)

@@ -164,6 +164,7 @@ def test_where_the_highest_peak_left_the_range_the_next_one_is_no_optimum() -> N
     assert ridge.optimum.parameter >= left * (1.0 - 1e-9)
 
 
+@pytest.mark.slow
 def test_a_ridge_passes_a_node_of_the_excitation() -> None:
     """The force on the first mass vanishes at 1, exactly; a ridge without a peak there continues beyond."""
 
