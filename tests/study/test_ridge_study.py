@@ -32,7 +32,7 @@ MORE_HARMONICS = {"solver.harmonics": 9, "solver.largest_step": 0.02, "analysis.
 )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
     case = quick_case().replace(RIDGE | {"analysis.performance_curve": True})
     outcome = study.run(case, tmp_path)

@@ -52,7 +52,7 @@ def light_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(schedule, "solve_task", sweep_deaths.solve)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("light_tasks", "untraced_commands")
 def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
     finished: dict[str, object] = {}

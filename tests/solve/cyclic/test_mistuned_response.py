@@ -114,7 +114,7 @@ def test_newtons_matrix_is_that_of_the_ring() -> None:
         assert_close(*map(answer, operators))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_curve_is_that_of_the_ring() -> None:
     settings: dict[str, Any] = {"frequency_hz": WINDOW, "harmonics": HARMONICS, "samples": 64}
     found = mistuned_response(
