@@ -192,7 +192,7 @@ def test_warnings_of_the_package_are_one_line(capsys: pytest.CaptureFixture[str]
 
 def test_the_package_runs_as_a_module() -> None:
     outcome = subprocess.run(
-        [sys.executable, "-m", "stickslip", "--version"], capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-m", "stickslip", "run", "--help"], capture_output=True, text=True, timeout=60, check=False
     )
     assert (outcome.returncode, outcome.stderr) == (0, "")
-    assert outcome.stdout.startswith("stickslip ")
+    assert outcome.stdout.startswith("Usage: stickslip run ")

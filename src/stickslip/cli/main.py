@@ -69,7 +69,7 @@ TractionBand = Annotated[
 def main() -> None:
     """Entry point of the command ``stickslip``."""
     tolerate_closed_output()
-    app()
+    app(prog_name="stickslip")
 
 
 def _print_version(wanted: bool) -> None:

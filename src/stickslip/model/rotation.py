@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -91,12 +92,15 @@ def speed_messages(speed: float, loads_follow: bool, coriolis: bool = False, rem
         )
 
 
-def free_body_messages(mesh: Mesh, fixed: IntArray, constraints: Constraints | None = None) -> Iterator[str]:
+def free_body_messages(
+    mesh: Mesh, fixed: IntArray, constraints: Constraints | None = None, held: Any = None
+) -> Iterator[str]:
     """Bodies that only contact supports: the speed does not change their stiffness.
 
-    ``fixed`` are constrained indices among the 3 * n_nodes displacements.
+    ``fixed`` are constrained indices among the 3 * n_nodes displacements, ``held`` csr rows of motions that springs at
+    reference nodes constrain.
     """
-    cells = [group.cells for group in supported_groups(mesh, fixed, constraints) if group.free]
+    cells = [group.cells for group in supported_groups(mesh, fixed, constraints, held) if group.free]
     if cells:
         bodies = np.unique(mesh.body[np.concatenate(cells)])
         names = ", ".join(mesh.body_names[body] for body in bodies)

@@ -38,7 +38,7 @@ _STIFFNESS = (
 )
 _LOADS = (
     "# Normal loads at rest: normal_load in each joint, or solved from static loads with [preload] method = "
-    '"solved" and [static_loads.NAME].',
+    '"solved" and [static_loads.NAME], [pressures.NAME], [gravity] or [rotation]; a study uses no load of the model.',
 )
 
 

@@ -10,6 +10,8 @@ import stickslip as ss
 from sentences import rejects
 from tied_decks import two_blocks, write_deck
 
+MODELS = Path(__file__).parents[2] / "data" / "models"
+
 
 def model_of_two_blocks(folder: Path) -> ss.ImportedModel:
     """Two blocks of steel in the deck, the upper one with constrained nodes."""
@@ -41,3 +43,15 @@ def test_a_body_without_material_is_rejected(tmp_path: Path) -> None:
 def test_a_material_for_another_body_is_rejected(tmp_path: Path) -> None:
     with rejects(ss.InputError, "materials"):
         model_of_two_blocks(tmp_path).assemble({"blade": ss.Material()})
+
+
+def test_a_node_without_coordinates_is_at_the_origin_and_a_normal_is_ignored(tmp_path: Path) -> None:
+    """As in CalculiX and Abaqus: omitted coordinates are 0; entries 5 to 7 are the normal of a shell."""
+    text = (MODELS / "cubes.inp").read_text(encoding="utf-8")
+    plain = ss.read_model(MODELS / "cubes.inp", "mm").mesh.points
+    lines = text.splitlines()
+    first = lines.index("*NODE, NSET=everything") + 1
+    assert [float(word) for word in lines[first].split(",")] == [1.0, 0.0, 0.0, 0.0], "the file of the test has changed"
+    lines[first], lines[first + 1] = "1", f"{lines[first + 1]}, 0., 0., 1."
+    (tmp_path / "a.inp").write_text("\n".join(lines), encoding="utf-8")
+    np.testing.assert_array_equal(ss.read_model(tmp_path / "a.inp", "mm").mesh.points, plain)

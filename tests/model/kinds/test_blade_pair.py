@@ -184,3 +184,17 @@ def test_lengths_equal_to_round_off_leave_no_sliver() -> None:
     geometry = BladePairGeometry()
     nearly = replace(geometry, damper_length=geometry.width * (1 + 1e-15))
     assert blade_pair_mesh(nearly).n_nodes == 5005
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [
+        BladePairGeometry(shank_thickness_at_platform=1.8e-7),
+        BladePairGeometry(airfoil_thickness=2.5e-7),
+        BladePairGeometry(platform_edge_thickness=9e-9),
+    ],
+)
+def test_elements_too_thin_to_solve_are_rejected(geometry: BladePairGeometry) -> None:
+    """Their eigenvalues took minutes, or did not converge."""
+    with rejects(InputError):
+        blade_pair_mesh(geometry)

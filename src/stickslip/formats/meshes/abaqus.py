@@ -37,6 +37,8 @@ from stickslip.formats.meshes.raw_model import (
 )
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
 
+_NODE_ENTRIES = 7  # number, x, y, z, and the normal of a shell, which solids do not use; omitted ones are 0
+
 
 def read_abaqus(source: Path, includes_outside: bool = False) -> RawModel:
     """The entries of a deck and of the files that it includes, in their own units.
@@ -168,10 +170,12 @@ class _Reader:
         first = len(self._labels)
         for line, words in card.data:
             values = [word for word in words if word] if words[-1] == "" else words
-            if not 2 <= len(values) <= 4:
-                card.fail(f"a node is a number and x, y, z, but the line has {len(values)} entries.", line)
+            if len(values) > _NODE_ENTRIES:
+                card.fail(
+                    f"a node is a number, x, y, z and perhaps a normal, but the line has {len(values)} entries.", line
+                )
             self._labels.append(card.label(values[0], line))
-            xyz = [card.number(word or "0", line) for word in values[1:]]
+            xyz = [card.number(word or "0", line) for word in values[1:4]]
             self._coordinates.append(self._systems.position(xyz + [0.0] * (3 - len(xyz))))
             self._lines.append(line)
         if "NSET" in card.parameters:

@@ -1,4 +1,4 @@
-"""Mass points (*MASS) and springs (*SPRING of SPRING1 and SPRING2) of Abaqus and CalculiX decks."""
+"""Mass points (*MASS), moments of inertia (*ROTARY INERTIA) and springs (*SPRING) of Abaqus and CalculiX decks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stickslip.formats.meshes.raw_points import RawMass, RawSpring
 from stickslip.structure.cell_kinds import IntArray
 
 Find = Callable[[Card, str, str, int], IntArray]
-POINT_ELEMENTS = ("MASS", "SPRING1", "SPRING2")
+POINT_ELEMENTS = ("MASS", "ROTARYI", "SPRING1", "SPRING2")
 
 
 class PointCards:
@@ -22,8 +22,13 @@ class PointCards:
         self._raw, self._find = raw, find
         self._nodes: dict[int, list[int]] = {}  # of each element
         self._masses: list[Card] = []
+        self._inertias: list[Card] = []
         self._springs: list[Card] = []
-        self.cards: dict[str, Callable[[Card], None]] = {"MASS": self._masses.append, "SPRING": self._springs.append}
+        self.cards: dict[str, Callable[[Card], None]] = {
+            "MASS": self._masses.append,
+            "ROTARY INERTIA": self._inertias.append,
+            "SPRING": self._springs.append,
+        }
 
     def add(self, rows: list[list[int]]) -> None:
         """Elements: label and nodes."""
@@ -38,8 +43,22 @@ class PointCards:
             value = card.number(words[0], line)
             for label in self._elements(card):
                 self._raw.masses.append(RawMass(np.array(self._nodes[label][:1], dtype=np.int64), value, card.line))
+        for card in self._inertias:
+            self._inertia(card)
         for card in self._springs:
             self._spring(card, turned)
+
+    def _inertia(self, card: Card) -> None:
+        if "ORIENTATION" in card.parameters:
+            card.fail("ORIENTATION is not read. Give the moments of inertia about x, y and z.")
+        line, words = card.data[0] if card.data else (card.line, [""])
+        values = [card.number(word or "0", line) for word in words[:6]]
+        if any(values[3:]):
+            card.fail("products of inertia are not read. Give the three moments about x, y and z.", line)
+        first, second, third = (*values, 0.0, 0.0)[:3]
+        for label in self._elements(card):
+            node = np.array(self._nodes[label][:1], dtype=np.int64)
+            self._raw.masses.append(RawMass(node, 0.0, card.line, inertia=(first, second, third, 0.0, 0.0, 0.0)))
 
     def _elements(self, card: Card) -> list[int]:
         """Elements of a card that are points or springs between nodes."""
@@ -62,11 +81,8 @@ class PointCards:
             nodes = self._nodes[label]
             if len(axes) < len(nodes):
                 card.fail(f"element {self._raw.shown(label)} has {len(nodes)} nodes and requires as many directions.")
-            if max(axes) > 3:
-                self._raw.messages.append(
-                    f"line {card.line}: a spring along a rotation has no effect on solids; ignored."
-                )
-                return
+            if max(axes) > 6:
+                card.fail(f"direction {max(axes)} is not valid; directions are 1 to 6.", first_line)
             if turned & set(nodes):
                 card.fail(f"node {self._raw.shown(nodes[0])} has a *TRANSFORM, so its directions are not x, y, z.")
             other = (nodes[1], axes[1] - 1) if len(nodes) == 2 else None

@@ -67,10 +67,11 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
     materials = build_materials(raw, units, temperature, names, messages)
     doubts += _parts(mesh)
     equations = build_equations(raw, labels, mesh, units.length, messages, doubts)
+    numbers = _NodeNumbers(raw, labels)
+    attachments = build_points(raw, units, numbers.of, len(labels), equations, messages, doubts)
     reference_sets = _reference_sets(raw, equations)
     messages += _without_solids("element", raw.element_sets, elements)
     messages += _without_solids("node", raw.node_sets, {**nodes, **reference_sets})
-    numbers = _NodeNumbers(raw, labels)
     return ImportedModel(
         mesh=mesh,
         source=str(raw.source),
@@ -85,7 +86,7 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
         node_forces=_forces(raw, units, numbers, len(labels)),
         equations=equations,
         reference_sets=reference_sets,
-        attachments=build_points(raw, units, numbers.of, len(labels), doubts),
+        attachments=attachments,
         contacts=tuple(_contacts(raw, mesh, messages)),
         messages=tuple(messages),
         doubts=tuple(doubts),
@@ -186,7 +187,8 @@ def _without_solids(what: str, sets: dict[str, IntArray], used: Mapping[str, obj
     """Messages on the sets that a study cannot use."""
     for name in sets:
         if name not in used:
-            yield f"{what} set '{name}' contains no {what} of a solid element; it is ignored."
+            kind = "solid element" if what == "element" else "node of a solid element"
+            yield f"{what} set '{name}' contains no {kind}, so a study cannot name it."
 
 
 def _clashes(mesh: Mesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArray]) -> list[str]:

@@ -18,7 +18,6 @@ class NastranPoints:
         self._raw = raw
         self._springs: list[BulkCard] = []
         self._stiffness: dict[int, float] = {}
-        self._arms: list[int] = []
         self.cards: dict[str, Callable[[BulkCard], None]] = {
             "CONM2": self._mass,
             "CELAS1": self._springs.append,
@@ -28,9 +27,11 @@ class NastranPoints:
 
     def _mass(self, card: BulkCard) -> None:
         node = np.array([card.integer(1)], dtype=np.int64)
-        self._raw.masses.append(RawMass(node, card.real(3, 0.0), card.line))
-        if any(card.real(at, 0.0) for at in (*range(4, 7), *range(8, 14))):
-            self._arms.append(card.line)
+        x, y, z = (card.real(at, 0.0) for at in range(4, 7))
+        xx, yx, yy, zx, zy, zz = (card.real(at, 0.0) for at in range(8, 14))
+        inertia = xx, yy, zz, -yx, -zx, -zy  # the card has the integrals of x y dm and so on, without their sign
+        in_basic = card.integer(2, 0) == 0
+        self._raw.masses.append(RawMass(node, card.real(3, 0.0), card.line, (x, y, z), inertia, in_basic))
 
     def _property(self, card: BulkCard) -> None:
         for at in (0, 4):
@@ -39,11 +40,6 @@ class NastranPoints:
 
     def write(self, turned: set[int]) -> None:
         """Put springs into the raw model; ``turned`` are grids with directions of their own (CD)."""
-        if self._arms:
-            self._raw.messages.append(
-                f"{len(self._arms)} CONM2 have an offset or moments of inertia (first in "
-                f"{self._raw.where(self._arms[0])}), which have no effect at grids of solids; their masses are read."
-            )
         for card in self._springs:
             self._spring(card, turned)
 
@@ -58,11 +54,8 @@ class NastranPoints:
         ends = [(card.integer(at), card.integer(at + 1, 0)) for at in (2, 4) if card.word(at) not in ("", "0")]
         if not ends:
             card.fail("it has no grid.")
-        if any(not 1 <= direction <= 3 for _, direction in ends):
-            self._raw.messages.append(
-                f"{card.where()}: {card.name}: a spring at a rotation or a scalar point has no effect on solids; "
-                "ignored."
-            )
+        if any(not 1 <= direction <= 6 for _, direction in ends):
+            self._raw.messages.append(f"{card.where()}: {card.name}: a spring at a scalar point is ignored.")
             return
         if any(node in turned for node, _ in ends):
             card.fail(

@@ -12,27 +12,43 @@ from stickslip.core.errors import InputError, concerning
 from stickslip.core.validation import FloatArray
 from stickslip.model.kinds.entry import named_entry
 from stickslip.model.overlap import sides_of_face
+from stickslip.structure.attachments import Attachments
 from stickslip.structure.body_load import centrifugal_load, translation_inertia
+from stickslip.structure.constraints import Constraints
 from stickslip.structure.elasticity import Material
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.static_loads import pressure_load
 
 
 def unit_loads(
-    case: MeshCase, mesh: Mesh, materials: Sequence[Material], masses: FloatArray | None, fixed: IntArray
+    case: MeshCase,
+    mesh: Mesh,
+    materials: Sequence[Material],
+    attached: tuple[Attachments | None, Constraints | None],
+    fixed: IntArray,
 ) -> dict[str, FloatArray]:
     """Section -> (3 * n_nodes, k) N on the whole mesh for each unit of its sizes (:func:`load_sizes`).
 
-    ``masses`` (n_nodes,) kg are mass points, ``fixed`` the constrained displacements. Raises InputError that names the
-    section.
+    ``attached`` are mass points with the constraints that move those at reference nodes, ``fixed`` the constrained
+    displacements. Raises InputError that names the section, and for a rotation of masses at reference nodes.
     """
     loads: dict[str, FloatArray] = {}
+    points, constraints = attached
+    masses = None if points is None else points.masses
     if case.rotation is not None:
+        if points is not None and points.further_mass.any():
+            raise InputError(
+                f"[rotation]: the model has {points.reference_mass:.4g} kg at reference nodes of couplings, whose "
+                "centrifugal force and stiffness at speed are not computed. Put this mass at nodes of solids, or "
+                "remove [rotation].",
+                ("rotation",),
+            )
         turn = case.rotation
         axis, point = np.array(turn.axis), np.array(turn.point)
         loads["rotation"] = centrifugal_load(mesh, materials, axis, point, masses)[:, None]
     if case.gravity is not None:
         loads["gravity"] = translation_inertia(mesh, materials, masses)
+        loads["gravity"] += 0.0 if points is None else points.translation_inertia(constraints)
     for name, each in case.pressures.items():
         section = f"pressures.{name}"
         with named_entry(section), concerning(f"{section}.set"):

@@ -250,7 +250,8 @@ def _layout(
     mesh, names, pairings = source.mesh, tuple(named), tuple(named.values())
     fixed, constraints = constrained
     pairs = FacePairs.concatenate([each.pairs for each in pairings])
-    masses = None if source.attachments is None else source.attachments.masses
+    points, held, supported = source.attachments, None, fixed
+    masses = None if points is None else points.masses
     base_inertia = None
     if case.base_motion is not None:
         if not fixed.size:
@@ -260,14 +261,14 @@ def _layout(
                 ("base_motion",),
             )
         base_inertia = translation_inertia(mesh, materials, masses)
-    supported = fixed
-    if source.attachments is not None:
-        supported = np.union1d(fixed, source.attachments.grounded).astype(np.int64)
-    require_support(mesh, pairs.nodes, supported, constraints, source)
+        base_inertia += 0.0 if points is None else points.translation_inertia(constraints)
+    if points is not None:
+        supported, held = points.supports(fixed, constraints)
+    require_support(mesh, pairs.nodes, supported, constraints, source, held)
     require_free(named, node_groups, fixed, source)
     messages = (
         *source.doubts,
-        *(() if case.rotation is None else free_body_messages(mesh, supported, constraints)),
+        *(() if case.rotation is None else free_body_messages(mesh, supported, constraints, held)),
         *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
     )
     return Layout(
@@ -275,7 +276,7 @@ def _layout(
         names,
         tuple(face_materials(mesh, materials, each) for each in pairings),
         node_groups,
-        unit_loads(case, mesh, materials, masses, fixed),
+        unit_loads(case, mesh, materials, (points, constraints), fixed),
         base_inertia,
         tuple(pairing_facts(names, pairings)),
         messages,

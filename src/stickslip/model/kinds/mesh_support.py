@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from stickslip.core.errors import InputError
@@ -12,10 +14,18 @@ from stickslip.structure.tied_parts import supported_groups
 
 
 def require_support(
-    mesh: Mesh, contact_nodes: IntArray, fixed: IntArray, constraints: Constraints | None, source: ImportedModel
+    mesh: Mesh,
+    contact_nodes: IntArray,
+    fixed: IntArray,
+    constraints: Constraints | None,
+    source: ImportedModel,
+    held: Any = None,
 ) -> None:
-    """Raise InputError for a part that neither a constraint nor contact supports, and for a part with a hinge."""
-    for group in supported_groups(mesh, fixed, constraints):
+    """Raise InputError for a part that no constraint, spring or contact supports, and for a part with a hinge.
+
+    ``held``: csr rows of motions that springs at reference nodes constrain.
+    """
+    for group in supported_groups(mesh, fixed, constraints, held):
         for part in group.parts:
             if part.is_hinged:
                 raise InputError(

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.model.kinds.damper_sections import damper_section
 from stickslip.model.kinds.damper_shapes import Cylinder
 from stickslip.model.kinds.plane_sections import Section, blade_section, extrude, mirrored
 from stickslip.model.kinds.two_blade_geometry import BladePairElements, BladePairGeometry
 from stickslip.structure.mesh import IntArray, Mesh
+
+_EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]])
+_LONGEST_TO_SHORTEST = 1e4  # chosen: the eigenvalues of thinner bricks do not converge
 
 
 def blade_pair_mesh(geometry: BladePairGeometry | None = None, elements: BladePairElements | None = None) -> Mesh:
@@ -58,9 +62,12 @@ def blade_pair_mesh(geometry: BladePairGeometry | None = None, elements: BladePa
         "damper_right_mid": nodes(2, "right_middle", middle_damper),
     }
     extruded = [extrude(section, levels) for section, levels in parts]
+    points = np.vstack([points for points, _ in extruded])
+    cells = np.vstack([start + cells for start, (_, cells) in zip(starts[:-1], extruded, strict=True)])
+    _require_solvable(points[cells])
     return Mesh(
-        points=np.vstack([points for points, _ in extruded]),
-        cells=np.vstack([start + cells for start, (_, cells) in zip(starts[:-1], extruded, strict=True)]),
+        points=points,
+        cells=cells,
         body=np.repeat(np.arange(3), [len(cells) for _, cells in extruded]),
         node_sets=node_sets,
     )
@@ -75,6 +82,19 @@ def sections(geometry: BladePairGeometry, elements: BladePairElements) -> tuple[
         blade_section(of, elements, line) for of, line in zip((geometry, geometry.right), lines, strict=True)
     )
     return left, mirrored(right), damper
+
+
+def _require_solvable(corners: FloatArray) -> None:
+    """Raise InputError for an element (m, 8, 3) that is so thin that round-off hides its bending."""
+    edges = np.linalg.norm(corners[:, _EDGES[:, 0]] - corners[:, _EDGES[:, 1]], axis=2)
+    short, long = edges.min(axis=1), edges.max(axis=1)
+    worst = int((short / long).argmin())
+    if long[worst] > _LONGEST_TO_SHORTEST * short[worst]:
+        raise InputError(
+            f"an element of the mesh has edges of {1e3 * short[worst]:.3g} and {1e3 * long[worst]:.3g} mm. Their ratio "
+            f"may be at most {_LONGEST_TO_SHORTEST:g}: increase the smallest dimension of [geometry], or change the "
+            "counts of [mesh]."
+        )
 
 
 def _blade_levels(
