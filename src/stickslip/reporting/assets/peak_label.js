@@ -5,7 +5,7 @@ function placePeakLabel(plot) {
   const full = plot._fullLayout, across = full.xaxis, up = full.yaxis, note = full.annotations[0];
   const words = plot.querySelector(".annotation[data-index='0'] .annotation-text-g");
   if (!words || !across._length) return;
-  const size = words.getBoundingClientRect(), GAP = 4, STEP = 4;
+  const size = words.getBoundingClientRect(), GAP = 4, STEP = 4, RING = 13;
   // a curve goes through its marks, and an annotation has the logarithm of its place on a logarithmic axis
   const place = (x, y) => [across.d2p(x), up.d2p(y)];
   const head = [across.r2p(note.x), up.r2p(note.y)];
@@ -37,8 +37,10 @@ function placePeakLabel(plot) {
     const reach = [size.width / 2 + GAP, size.height / 2 + GAP];
     const outside = Math.max(reach[0] - middle[0], middle[0] + reach[0] - across._length, 0) +
       Math.max(reach[1] - middle[1], middle[1] + reach[1] - up._length, 0);
+    // the ring about the chosen point may be at the peak
+    const near = Math.hypot(...middle.map((at, axis) => Math.max(Math.abs(at - head[axis]) - reach[axis], 0))) < RING;
     const covered = drawn.filter((at) => Math.abs(at[0] - middle[0]) < reach[0] && Math.abs(at[1] - middle[1]) < reach[1]);
-    return 100 * outside + 10 * covered.length + 0.1 * Math.hypot(...offset);
+    return 100 * outside + 50 * near + 10 * covered.length + 0.1 * Math.hypot(...offset);
   }
   let best = null, least = Infinity;
   for (const distance of [0, 18, 40, 70, 110]) {
