@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -257,3 +258,30 @@ def test_what_a_page_of_very_many_pairs_leaves_out_is_reported(
             assert page.evaluate("document.getElementById('loop').data[0].x.length") == 0
         counts = page.eval_on_selector_all("#state-legend b", "all => all.map(each => Number(each.textContent))")
         assert sum(counts) == data["nPairs"]
+
+
+# Width of the marks of a map over the distance of two neighbours, px.
+_MARKS = """() => {
+  const plot = document.getElementById('state-map-0'), trace = plot.data[0], axis = plot._fullLayout.xaxis;
+  const places = [...new Set(Array.from(trace.x, x => axis.d2p(x)))].sort((a, b) => a - b);
+  return trace.marker.size / Math.min(...places.slice(1).map((x, i) => x - places[i]));
+}"""
+# Rows whose value covers their name.
+_COVERED = """[...document.querySelectorAll('.quantities tbody tr')].filter(row => {
+  const words = document.createRange(), value = document.createRange();
+  words.selectNodeContents(row.cells[0]);
+  value.selectNodeContents(row.cells[1]);
+  return row.offsetParent && [...words.getClientRects()].some(a => [...value.getClientRects()].some(b =>
+    Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
+    Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1));
+}).map(row => row.textContent)"""
+
+
+def test_on_a_phone_marks_and_numbers_do_not_cover_each_other(browser: Any, tmp_path: Path) -> None:
+    study = synthetic_study()
+    row = ("Natural frequencies, stuck", "1495.33, 1517.56, 1230.27, 1292.33", "Hz", "contacts that are closed")
+    study = replace(study, derived=(*study.derived, row))
+    write_page(tmp_path / "phone.html", synthetic_response(), study)
+    with opened_page(browser, tmp_path / "phone.html", WIDTHS[1]) as page:
+        assert page.evaluate(_MARKS) < 1.0
+        assert page.evaluate(_COVERED) == []

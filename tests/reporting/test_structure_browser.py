@@ -20,6 +20,7 @@ from sketches import shaken, stacked_boxes
 from stickslip.reporting.page import write_page
 from stickslip.reporting.structure_picture import structure_picture
 from stickslip.reporting.style import face_colour
+from stickslip.results.face_directions import FaceDirections
 from synthetic import synthetic_response, synthetic_study
 
 pytestmark = pytest.mark.slow
@@ -106,6 +107,22 @@ def test_the_contact_is_seen_at_once_and_larger_in_its_own_view(page: Any) -> No
     page.click("[data-view=contact]")
     settle(page)
     assert face_pixels(page) > 4.0 * whole
+
+
+_NAMES = "document.getElementById('structure-plot').data.find(trace => trace.mode === 'text').text"
+
+
+def test_directions_have_names_only_where_the_contact_is_large(browser: Any, tmp_path: Path) -> None:
+    middle, ends = np.array([[0.048, 0.048, 0.1], [0.0, 0.0, 0.0]]), np.zeros((2, 2, 3))
+    ends[:, 0, :2] = np.eye(2)
+    study = dataclasses.replace(synthetic_study(), sketch=MOVING, face_directions=FaceDirections(middle, *ends))
+    write_page(tmp_path / "named.html", synthetic_response(), study)
+    with opened_page(browser, tmp_path / "named.html") as page:
+        assert page.evaluate(_NAMES) == ["", ""]
+        page.click("[data-view=contact]")
+        wait_until(page, lambda: page.evaluate(_NAMES) == ["t1", "t2"])
+        page.click("[data-view=whole]")
+        wait_until(page, lambda: page.evaluate(_NAMES) == ["", ""])
 
 
 @pytest.mark.parametrize("width", WIDTHS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from io import BytesIO
 from typing import Any
 
@@ -15,6 +16,7 @@ from stickslip.reporting import structure_still
 from stickslip.reporting.structure_still import still_picture, structure_figure
 from stickslip.reporting.structure_view import Camera, area_vectors
 from stickslip.reporting.style import body_colour, face_colour
+from stickslip.results.face_directions import FaceDirections
 from stickslip.results.sketch import Sketch
 from synthetic import synthetic_study
 
@@ -99,3 +101,13 @@ def test_a_flat_structure_has_a_low_picture() -> None:
     plate = box((0.0, 0.0, 0.0), (0.2, 0.02, 0.01))
     width, height = structure_figure(synthetic_study(), sketch_of_boxes(plate)).get_size_inches()
     assert height < 0.9 * width
+
+
+def test_only_a_view_that_shows_the_contact_large_names_its_directions() -> None:
+    """In a small picture of the contact t1 and t2 would cover each other."""
+    middle, ends = np.array([[0.048, 0.048, 0.1], [0.0, 0.0, 0.0]]), np.zeros((2, 2, 3))
+    ends[:, 0, :2] = np.eye(2)
+    study = dataclasses.replace(synthetic_study(), face_directions=FaceDirections(middle, ends[0], ends[1]))
+    whole, close = structure_figure(study, stacked_boxes()).axes
+    assert not {"t1", "t2"} & {text.get_text() for text in whole.texts}
+    assert {"t1", "t2"} <= {text.get_text() for text in close.texts}

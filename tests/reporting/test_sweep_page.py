@@ -250,6 +250,26 @@ def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+# Figures whose legend plotly cut and gave a scroll bar, or left less than 60 px for the curves.
+_CRAMPED = """[...document.querySelectorAll('.js-plotly-plot')].filter(plot => {
+  const bar = plot.querySelector('.legend .scrollbar');
+  return (bar && bar.getBBox().height > 0) || plot._fullLayout._size.h < 60;
+}).map(plot => plot.id)"""
+
+
+@pytest.mark.slow
+def test_printed_legends_are_complete_and_leave_room_for_the_curves(browser: Any, sweep_file: Path) -> None:
+    with opened_page(browser, sweep_file) as page:
+        shown = page.evaluate("document.getElementById('curves')._fullLayout.height")
+        page.emulate_media(media="print")
+        page.wait_for_selector("#curves[data-height]")
+        page.wait_for_timeout(500)
+        assert page.evaluate(_CRAMPED) == []
+        page.emulate_media(media="screen")
+        page.wait_for_selector("#curves:not([data-height])")
+        assert page.evaluate("document.getElementById('curves')._fullLayout.height") == shown
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_page_draws_itself_without_network(browser: Any, sweep_file: Path, width: int) -> None:

@@ -34,16 +34,16 @@ def test_the_verdict_has_the_numbers_of_the_summary() -> None:
 @pytest.mark.parametrize(
     ("counts", "cause"),
     [
-        ((100, 10, 0), "Slip in the joint"),
-        ((100, 0, 10), "Separation in the joint"),
-        ((90, 10, 10), "Slip and separation in the joint"),
-        ((110, 0, 0), "The joint"),
+        ((100, 10, 0), "Slip in the joint lowers"),
+        ((100, 0, 10), "Separation in the joint lowers"),
+        ((90, 10, 10), "Slip and separation in the joint lower"),
+        ((110, 0, 0), "The joint lowers"),
     ],
 )
 def test_the_verdict_names_what_the_pairs_do(counts: tuple[int, int, int], cause: str) -> None:
     view = View.of(synthetic_response(), synthetic_study())
     object.__setattr__(view, "summary", dataclasses.replace(view.summary, state_counts=counts))
-    assert verdict(view, warnings=0).sentences[0].startswith(f"{cause} lowers the peak")
+    assert verdict(view, warnings=0).sentences[0].startswith(f"{cause} the peak")
 
 
 def test_an_incomplete_curve_limits_the_verdict() -> None:

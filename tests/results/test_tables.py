@@ -10,8 +10,8 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from test_peak_ridge import ridge_of
 
+from ridges import ridge_of
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.results.measures import summary

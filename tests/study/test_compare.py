@@ -104,6 +104,10 @@ def test_cases_of_a_sweep_have_the_names_of_their_inputs() -> None:
     folders = ("friction_coefficient-0.3_0123456789ab", "friction_coefficient-0.5_ba9876543210")
     assert names_of_cases(folders, [study, other]) == ("friction coefficient 0.3", "friction coefficient 0.5")
     assert names_of_cases(folders, [study, study]) == ("friction_coefficient-0.3", "friction_coefficient-0.5")
+    long = [replace(study, inputs=study.inputs.replace("0.3", digits)) for digits in ("0.196798967", "0.2000001")]
+    assert names_of_cases(folders, long) == ("friction coefficient 0.1968", "friction coefficient 0.2")
+    close = [replace(study, inputs=study.inputs.replace("0.3", digits)) for digits in ("0.196798967", "0.196798968")]
+    assert names_of_cases(folders, close)[1] == "friction coefficient 0.196798968"
     alike = ("a_0123456789ab", "a_ba9876543210")
     assert names_of_cases(alike, [study, study]) == alike
 

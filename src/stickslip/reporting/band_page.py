@@ -107,7 +107,8 @@ def _answer(statistics: BandStatistics) -> Iterator[str]:
     for each in statistics.exceedances:
         least, most = (_percent(end) for end in each.interval)
         yield (
-            f"{each.exceeded} of {each.count} samples do not satisfy {each.limit.text}; of all structures, {least} to "
+            f"{each.exceeded} of {each.count} samples {'does' if each.exceeded == 1 else 'do'} not satisfy "
+            f"{each.limit.text}; of all structures, {least} to "
             f"{most} % do not (95 % confidence)."
         )
     indices = statistics.influences["peak_amplitude"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -22,6 +23,8 @@ from stickslip.results.sweeps_of_curve import Flags, joined_steps, solid_words, 
 _ROOM = 1.15  # of the highest amplitude, for the label of the peak
 _LEGEND_ROWS = 2  # on a wide screen
 _OF_PRINT = 0.54  # chosen: height in print, of that on the screen; the curve is the answer of the page
+_HIGH_LIMIT = 5.0  # chosen: a linear limit higher than the peak by more needs a logarithmic axis beside it
+_DEEPEST = 1e-4  # chosen: of the peak; deeper antiresonances leave a logarithmic axis
 _HOVER = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
 
 
@@ -29,7 +32,7 @@ def amplitude_frequency(view: View) -> Figure:
     """Amplitude against frequency, linear stuck and free beside it, with peaks and jumps; the last trace is the cursor.
 
     page.js counts on three places: trace 2 has every point of the curve, the peak is trace 3, and the first annotation
-    names it.
+    names it. It makes the axis logarithmic on request, and from the start where a linear limit is much higher.
     """
     response, linear = view.response, view.response.linear
     low, high = view.window_hz
@@ -53,11 +56,16 @@ def amplitude_frequency(view: View) -> Figure:
         cursor,
     ]
     # plotly would make room for the label of the peak too: in print, several times the height of the curve
-    top = _ROOM * max(value for trace in traces for value in trace["y"] if value is not None)
+    heights = [value for trace in traces for value in trace["y"] if value is not None]
+    peak = MICRO * view.summary.peak.amplitude
+    top = _ROOM * max(heights)
+    bottom = max(min((value for value in heights if value > 0.0), default=peak), _DEEPEST * peak)
+    ranges = {"linear": [0.0, top], "log": [math.log10(0.7 * bottom), math.log10(1.6 * top)]}
+    meta = {"legend": _LEGEND_ROWS * 20, "print": _OF_PRINT, "ranges": ranges}
     return figure_of(
         traces,
         440,
-        meta={"legend": _LEGEND_ROWS * 20, "print": _OF_PRINT},
+        meta=meta | {"logarithmic": top > _HIGH_LIMIT * peak},
         xaxis=axis_look(FREQUENCY, range=[low, high]),
         yaxis=axis_look("Amplitude, 0-to-peak, µm", range=[0.0, top]),
         annotations=[_peak_label(view), *_jumps(view)],

@@ -152,6 +152,11 @@ def map_range(position: FloatArray) -> FloatArray:
     return ranges
 
 
+def map_scale(position: FloatArray, drawing: tuple[float, float]) -> float:
+    """Units of ``drawing``, its width and height, for each mm of a map of marks at ``position`` (n, 2) mm."""
+    return float((np.array(drawing) / np.ptp(map_range(position), axis=1)).min())
+
+
 def mark_size(position: FloatArray, drawing: tuple[float, float], largest: float) -> float:
     """Width of square marks at ``position`` (n, 2) in mm, so that nine in ten do not overlap, at most ``largest``.
 
@@ -159,8 +164,7 @@ def mark_size(position: FloatArray, drawing: tuple[float, float], largest: float
     """
     if len(position) < 2:
         return largest
-    # to scale, as the map itself
-    places = position * float((np.array(drawing) / np.ptp(map_range(position), axis=1)).min())
+    places = position * map_scale(position, drawing)
     # squares of width s are apart where |dx| or |dy| is above s
     nearest = KDTree(places).query(places, k=2, p=np.inf)[0][:, 1]
     return float(np.clip(np.quantile(nearest, _CLOSE_FRACTION), _SMALLEST_MARK, largest))

@@ -64,7 +64,12 @@ def page(response: ForcedResponse, study: StudyRecord, changed_inputs: Sequence[
         "Forced response of a structure with joints",
         values,
         response.provenance,
-        scripts=("unpack.js", "page.js", *(script for section in sections for script in section.scripts)),
+        scripts=(
+            "unpack.js",
+            "peak_label.js",
+            "page.js",
+            *(script for section in sections for script in section.scripts),
+        ),
         data={"page-data": numbers, "page-figures": plain_figures(figures)}
         | {name: value for content in contents for name, value in content.data.items()},
     )
@@ -108,9 +113,10 @@ def _peak_tiles(measures: Summary) -> Iterator[Tile]:
 
     beside = ""
     if measures.stiffness_peaks is not None:
-        low, high = (" ".join(length(value)) for value in measures.stiffness_peaks)
+        low, high = (length(value) for value in measures.stiffness_peaks)
         more = " or more" if measures.stiffness_at_end else ""
-        beside = f"; {low} to {high}{more} with 1/3 to 3 of the stiffness, not measured"
+        ends = [low[0] if low[1] == high[1] else " ".join(low), " ".join(high)]
+        beside = f"; {' to '.join(ends)}{more} with 1/3 to 3 of the stiffness, not measured"
     if not measures.sweeps_differ:
         yield tile("Peak amplitude, 0‑to‑peak", measures.peak, f", of a slow sweep up and down alike{beside}")
         return

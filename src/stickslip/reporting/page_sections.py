@@ -156,7 +156,7 @@ def _derived(view: View) -> dict[str, Any]:
     pairing: list[tuple[str, ...]] = []
     for name, value, unit, meaning in view.study.derived:
         rows = pairing if meaning == FROM_PAIRING else derived
-        rows.append((name, shown_number(value, unit), unit, meaning))
+        rows.append((name, shown_number(value, unit), "" if unit == "-" else unit, meaning))
     return {"derived": derived, "pairing": pairing}
 
 
@@ -169,8 +169,8 @@ def _solver(view: View) -> dict[str, Any]:
 CURVE = Section(
     "Amplitude against frequency",
     """\
-  <p class="note">{{ output }}, 0-to-peak. Choose a point on the curve, or move the slider below: the figures after it
-  show that point.{% if sweeps %} {{ sweeps }}{% endif %}</p>{% if stiffness %}
+  <p class="note">{{ output }}, 0-to-peak. <span class="screen-only">Choose a point on the curve, or move the slider
+  below: the figures after it show that point.</span>{% if sweeps %} {{ sweeps }}{% endif %}</p>{% if stiffness %}
   <p class="note">{{ stiffness }}</p>{% endif %}
   {{ parts.panel("curve", "Amplitude against frequency") }}
 """,
@@ -194,8 +194,8 @@ SECTIONS = (
     Section(
         "Contact states",
         """\
-  <p class="note">At <b class="now"></b>. Select a pair by a click, or with the arrow keys once a map has the focus; its
-  loop follows below.</p>
+  <p class="note">At <b class="now"></b>. <span class="screen-only">Select a pair by a click, or with the arrow keys
+  once a map has the focus; its loop follows below.</span></p>
   <ul class="legend" id="state-legend"></ul>
 """
         + _MAPS,

@@ -22,6 +22,7 @@ from stickslip.reporting.look import (
     figure_of,
     line_trace,
     map_range,
+    map_scale,
     mark_size,
     plain_list,
 )
@@ -140,6 +141,7 @@ def _on_face(traces: list[dict[str, Any]], position: FloatArray, titles: tuple[s
         hovermode="closest",
         dragmode=False,
         margin={"l": 48, "r": 12, "t": 6, "b": 42},
+        meta={"pxPerMm": map_scale(position, _MAP)},
     )
 
 

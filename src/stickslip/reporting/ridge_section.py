@@ -13,15 +13,17 @@ from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, l
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.view import View
-from stickslip.results.checked_peak import CHECKED_MINIMUM, DOUBTFUL_PEAKS, CheckedPeak, is_doubtful
+from stickslip.results.checked_peak import CheckedPeak, is_doubtful
 from stickslip.results.highest_peak import Optimum
 from stickslip.results.peak_ridge import STUCK_OPTIMUM, PeakRidge
 
 RidgeOf = Callable[[View], PeakRidge | None]
 # Prefixes of the ids of figures.
 _PERFORMANCE, _RIDGE = "performance", "ridge"
-_LEGEND = {"legend": 60}  # px, of a legend of three rows
-_HEIGHT = 480  # px, with a legend of eight rows in half the width of a page
+# Short names: a legend of three columns has to fit into half the width of a page.
+_DOUBTFUL, _CHECKED = "error above 1 %", "minimum with slip"
+_LEGEND = {"legend": 90}  # px, of a legend of four rows in print
+_HEIGHT = 440  # px
 
 
 def _performance(view: View) -> PeakRidge | None:
@@ -76,7 +78,7 @@ def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[d
     )
     traces = [line_trace(*limit, hovertemplate=hover) for limit in limits if limit[1].size]
     doubtful = is_doubtful(ridge.estimated_error, ridge.n_points)
-    kinds = (("computed peaks", ~doubtful, "circle"), (DOUBTFUL_PEAKS, doubtful, "circle-open"))
+    kinds = (("computed peaks", ~doubtful, "circle"), (_DOUBTFUL, doubtful, "circle-open"))
     for name, points, symbol in kinds:
         if points.any():
             values = chosen(ridge.amplitude[points], ridge.frequency_hz[points])
@@ -99,7 +101,7 @@ def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[d
     traces.append(_mark("optimum" if best.is_inside else "lowest followed", ridge, best, value, "diamond", VERMILLION))
     for check in ridge.checked:
         value = float(chosen(np.array(check.amplitude), np.array(check.frequency_hz)))
-        traces.append(_mark(CHECKED_MINIMUM, ridge, check, value, "star", VERMILLION))
+        traces.append(_mark(_CHECKED, ridge, check, value, "star", VERMILLION))
     return traces
 
 
@@ -176,13 +178,12 @@ def _performance_words(view: View) -> Iterator[str]:
         where = f"{number(MICRO * other.amplitude)} µm at {number(force * other.parameter, 3)} N"
         yield f"Another local minimum is {where}."
     yield from ridge.words_on_trust(lambda ratio: f"{number(force * ratio, 3)} N")
+    for ratio in ridge.switches():
+        yield f"At {number(force * ratio, 3)} N another peak becomes the highest."
     yield from _common_words(ridge)
 
 
 def _common_words(ridge: PeakRidge) -> Iterator[str]:
-    for value in ridge.switches():
-        where = f"{ridge.parameter_name} = {number(value)} {ridge.parameter_unit}".rstrip()
-        yield f"At {where} another peak becomes the highest."
     yield "A peak counts also if it is unstable, or if a slow sweep does not reach it."
     if not ridge.converged:
         yield ridge.message
@@ -194,7 +195,7 @@ def _ridge_words(view: View) -> Iterator[str]:
     assert ridge is not None
     yield f"Highest peak of {ridge.output_name} over {ridge.parameter_name}; all other keys are those of this study."
     yield from ridge.words()
-    yield from (words for words in _common_words(ridge) if "another peak" not in words)
+    yield from _common_words(ridge)
 
 
 # The figures are first: in print they fit below the curve, while the words may need half a page.
@@ -203,7 +204,7 @@ _TEMPLATE = """\
     {{ parts.figure(prefix ~ "-amplitude", "Peak amplitude", "Peak amplitude: " ~ title) }}
     {{ parts.figure(prefix ~ "-frequency", "Peak frequency", "Peak frequency: " ~ title) }}
   </div>
-<p class="note after">{{ words }}</p>
+{{ parts.facts(words) }}
 """
 
 
@@ -211,7 +212,7 @@ def _section(heading: str, prefix: str, ridge_of: RidgeOf, words: Callable[[View
     return Section(
         heading,
         _TEMPLATE,
-        lambda view: {"words": " ".join(words(view)), "prefix": prefix, "title": heading},
+        lambda view: {"words": list(words(view)), "prefix": prefix, "title": heading},
         _figures(ridge_of, prefix),
         applies=lambda view: ridge_of(view) is not None,
     )

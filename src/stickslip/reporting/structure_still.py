@@ -94,7 +94,7 @@ def structure_figure(study: StudyRecord, sketch: Sketch, paint: Paint | None = N
         _bodies(axes, sketch, camera, paint)
         _marks(axes, sketch, shown)
         if paint is None:
-            _tangents(axes, shown, visible_faces(sketch, camera))
+            _tangents(axes, shown, visible_faces(sketch, camera), named=extent is close or close is None)
         width = _PANEL_INCHES * 72.0 / _POINTS_PER_PX
         px_per_m = _FILLED * width / float(extent.projected_size(camera)[:2].max())
         frame = Frame(camera, extent.middle, px_per_m, width, width * panel / _PANEL_INCHES)
@@ -197,8 +197,11 @@ def _marks(axes: Any, sketch: Sketch, shown: Marked) -> None:
     axes.scatter(*places.T, s=22, color=BLUE, edgecolor="white", linewidths=0.6, zorder=5, depthshade=False)
 
 
-def _tangents(axes: Any, shown: Marked, visible: FloatArray) -> None:
-    """The sliding directions of the contact faces, of each of which the fraction ``visible`` (n_faces,) is seen."""
+def _tangents(axes: Any, shown: Marked, visible: FloatArray, named: bool) -> None:
+    """The sliding directions of the contact faces, of each of which the fraction ``visible`` (n_faces,) is seen.
+
+    Names on a small contact would cover each other, so only a view that shows it large is ``named``.
+    """
     from matplotlib.patheffects import withStroke
 
     arrows = zip(shown.starts, shown.ends, shown.tangents, shown.tangent_faces, strict=True)
@@ -207,6 +210,8 @@ def _tangents(axes: Any, shown: Marked, visible: FloatArray) -> None:
             continue
         tail, tip = _MM * shown.places[start], _MM * shown.places[end]
         axes.quiver(*tail, *(tip - tail), color=INK, linewidth=1.0, arrow_length_ratio=0.3, zorder=4)
+        if not named:
+            continue
         halo = [withStroke(linewidth=2.0, foreground="white")]
         axes.text(*(tail + 1.15 * (tip - tail)), name, fontsize=6, color=INK, path_effects=halo, zorder=6)
 

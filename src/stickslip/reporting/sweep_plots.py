@@ -33,6 +33,7 @@ DRAWN_POINTS = 200_000  # chosen: points of all curves on a page
 SEPARATE_CURVES = 300  # chosen: above it curves of one colour are one trace
 LARGEST_MAP_COUNT = 12  # chosen: maps on a page
 UNSTABLE = {"dash": "2px,2px", "width": 0.9}  # finer than the dashes that show a key
+_OF_PRINT = 0.8  # chosen: height in print, of that on the screen; the curves fill the first sheet
 _TICKS = 8  # chosen: largest number of values with a tick each
 
 
@@ -67,7 +68,7 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
     return figure_of(
         data,
         400 + height,
-        meta={"legend": height},
+        meta={"legend": height, "print": _OF_PRINT},
         xaxis=axis_look(FREQUENCY),
         yaxis=axis_look("Amplitude, 0-to-peak, µm", rangemode="tozero"),
         hovermode="closest",

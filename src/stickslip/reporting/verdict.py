@@ -37,20 +37,21 @@ def _peak(view: View) -> Iterator[str]:
     elif abs(reduction) < NO_CHANGE:
         yield f"The joint hardly changes the peak of {output}: {own}, as with all contacts stuck."
     else:
-        change = "lowers" if reduction > 0.0 else "raises"
+        change, causes = "lower" if reduction > 0.0 else "raise", _causes(view)
+        cause = f"{' and '.join(causes).capitalize()} in the joint" if causes else "The joint"
+        verb = change if len(causes) > 1 else f"{change}s"
         yield (
-            f"{_cause(view)} {change} the peak of {output} by {number(100.0 * abs(reduction), 2)} %: {own}, against "
+            f"{cause} {verb} the peak of {output} by {number(100.0 * abs(reduction), 2)} %: {own}, against "
             f"{_words(measures.stuck_peak)} with all contacts stuck."
         )
     if measures.reduction_from_free is not None:
         yield f"Without contact it would be {_words(measures.free_peak)}."
 
 
-def _cause(view: View) -> str:
+def _causes(view: View) -> list[str]:
     """What changes the peak: states that at least one pair has."""
     _, slipping, separating = view.summary.state_counts
-    causes = [words for words, count in (("slip", slipping), ("separation", separating)) if count]
-    return f"{' and '.join(causes).capitalize()} in the joint" if causes else "The joint"
+    return [words for words, count in (("slip", slipping), ("separation", separating)) if count]
 
 
 def _words(peak: Peak) -> str:

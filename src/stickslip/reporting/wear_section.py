@@ -10,7 +10,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace
 from stickslip.reporting.plots import pair_map
 from stickslip.reporting.section import Section
-from stickslip.reporting.style import MICRO, number
+from stickslip.reporting.style import MICRO, number, raised
 from stickslip.reporting.view import View
 from stickslip.results.wear import Wear
 
@@ -45,21 +45,21 @@ def _figures(view: View) -> dict[str, Figure]:
     figures = {
         "wear-amplitude": figure_of(
             [_line("amplitude", wear, MICRO * wear.amplitude, "µm", INK)], 320, hovermode="closest", showlegend=False,
-            xaxis=across, yaxis=axis_look("Amplitude, 0-to-peak, µm", rangemode="tozero"),
+            xaxis=across, yaxis=axis_look("0-to-peak, µm", rangemode="tozero"),
         ),
         "wear-frequency": figure_of(
             [_line("frequency", wear, wear.frequency_hz, "Hz", INK)], 320, hovermode="closest", showlegend=False,
-            xaxis=across, yaxis=axis_look("Frequency of the motion, Hz"),
+            xaxis=across, yaxis=axis_look("Frequency, Hz"),
         ),
         "wear-depth": figure_of(
             depth, 320, hovermode="closest", xaxis=across,
-            yaxis=axis_look("Worn depth, both faces, µm", rangemode="tozero"),
+            yaxis=axis_look("Both faces, µm", rangemode="tozero"),
         ),
     }  # fmt: skip
     if wear.open_pairs.any():
         figures["wear-open"] = figure_of(
             [_line("open pairs", wear, wear.open_pairs.astype(float), "pairs", INK)], 320, hovermode="closest",
-            showlegend=False, xaxis=across, yaxis=axis_look("Pairs without load at rest", rangemode="tozero"),
+            showlegend=False, xaxis=across, yaxis=axis_look("Pairs without load", rangemode="tozero"),
         )  # fmt: skip
     is_open = wear.normal_load[-1] == 0.0
     for face in range(len(view.study.face_names)):
@@ -91,8 +91,8 @@ def _sentences(view: View) -> Iterator[str]:
 
 def _values(view: View) -> dict[str, Any]:
     return {
-        "words": " ".join(_sentences(view)),
-        "cycles": f"{_wear(view).cycles[-1]:.3g}",
+        "words": [raised(sentence) for sentence in _sentences(view)],
+        "cycles": number(float(_wear(view).cycles[-1]), 3),
         "face_names": view.study.face_names,
         "opens": bool(_wear(view).open_pairs.any()),
     }
@@ -101,7 +101,7 @@ def _values(view: View) -> dict[str, Any]:
 WEAR = Section(
     "Wear",
     """\
-<p class="note">{{ words }}</p>
+{{ parts.facts(words) }}
   <div class="two">
     {{ parts.figure("wear-amplitude", "Amplitude", "Amplitude against cycles of wear") }}
     {{ parts.figure("wear-frequency", "Frequency", "Frequency of the motion against cycles of wear") }}

@@ -17,6 +17,7 @@ from stickslip.results.table import Table, column_of
 
 _LONGEST_NAME = 60  # chosen: letters, in one line of a legend
 _CHECKSUM = re.compile(r"_[0-9a-f]{12}$")  # as stickslip.sweeps.plan.case_name ends
+_DIGITS = re.compile(r"(?<![\w.])\d+\.\d{3,}(?:e[-+]?\d+)?")  # numbers with more digits than a name needs
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,8 @@ def differing_inputs(studies: Sequence[StudyRecord]) -> dict[str, tuple[str | No
 def names_of_cases(names: Sequence[str], studies: Sequence[StudyRecord]) -> tuple[str, ...]:
     """Names for cases of a sweep, whose folders end in a checksum: the inputs that differ, as "speed 3000 rpm".
 
-    Where these are long or equal, the ``names`` of the folders remain, without their checksums if they then differ.
+    Numbers have four digits if the names then still differ. Where these are long or equal, the ``names`` of the folders
+    remain, without their checksums if they then differ.
     """
     inputs = differing_inputs(studies)
     words = [key.rpartition(".")[2].replace("_", " ") for key in inputs]
@@ -88,10 +90,15 @@ def names_of_cases(names: Sequence[str], studies: Sequence[StudyRecord]) -> tupl
         ", ".join(f"{word} {'none' if value is None else value}" for word, value in zip(words, row, strict=True))
         for row in zip(*inputs.values(), strict=True)
     ]
-    if described and len(set(described)) == len(names) and max(map(len, described)) <= _LONGEST_NAME:
-        return tuple(described)
+    for each in ([_DIGITS.sub(_rounded, text) for text in described], described):
+        if each and len(set(each)) == len(names) and max(map(len, each)) <= _LONGEST_NAME:
+            return tuple(each)
     plain = tuple(_CHECKSUM.sub("", name) for name in names)
     return plain if len(set(plain)) == len(names) else tuple(names)
+
+
+def _rounded(found: re.Match[str]) -> str:
+    return f"{float(found.group()):.4g}"
 
 
 def comparison_tables(compared: Sequence[Compared]) -> tuple[Table, ...]:

@@ -109,6 +109,15 @@
     return Plotly.newPlot(element(id), figure.data, figure.layout, options);
   }
 
+  /* Marks of a map have a size in px for the width of a wide page: on a narrower map they would overlap. */
+  function fitMarks(id) {
+    const plot = element(id), full = plot._fullLayout, assumed = (full.meta || {}).pxPerMm;
+    if (!assumed) return undefined;
+    const factor = full.xaxis._length / Math.abs(full.xaxis.range[1] - full.xaxis.range[0]) / assumed;
+    if (factor >= 1) return undefined;
+    return Plotly.restyle(plot, { "marker.size": plot.data.map((trace) => factor * trace.marker.size) });
+  }
+
   /* Before its figure is drawn a change goes into the figure itself: drawing once is quicker than drawing twice. */
   let drawn = false;
   function restyle(id, update, traces) {
@@ -291,30 +300,60 @@
       });
     }
     facePairs.forEach((pairs, face) => { listenToMap("state-map-" + face, face); listenToMap("energy-map-" + face, face); });
-    let logarithmic = false;
-    const linearNotes = figures.curve.layout.annotations.map((note) => ({ y: note.y, ay: note.ay, ayref: note.ayref }));
+    let logarithmic = figures.curve.layout.meta.logarithmic;
     element("scale").addEventListener("click", function () {
       logarithmic = !logarithmic;
-      const top = data.amplitude[data.point];
-      const update = { "yaxis.type": logarithmic ? "log" : "linear", "yaxis.autorange": true, "yaxis.dtick": logarithmic ? 1 : null, "yaxis.tickformat": logarithmic ? ".6~g" : null };
-      /* annotations lie on a logarithmic axis by their logarithms; ay is a place on the axis for arrows only */
-      linearNotes.forEach(function (note, i) {
-        for (const key of note.ayref === "y" ? ["y", "ay"] : ["y"]) {
-          update["annotations[" + i + "]." + key] = logarithmic ? Math.log10(note[key] || top) : note[key];
-        }
-      });
-      Plotly.relayout("curve", update);
-      element("scale").textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
+      Plotly.relayout("curve", scaleOf(logarithmic));
+      nameScale(logarithmic);
     });
+    const curve = element("curve"), label = () => placePeakLabel(curve);
+    curve.on("plotly_afterplot", label);
+    label();
   }
 
-  showCurve(); showMaps(); showChoice(); showPair(); showGroups();
+  /* ---- the axis of the amplitude ---- */
+
+  const linearNotes = figures.curve.layout.annotations.map((note) => ({ y: note.y, ay: note.ay, ayref: note.ayref }));
+
+  function scaleOf(logarithmic) {
+    const top = data.amplitude[data.point], ranges = figures.curve.layout.meta.ranges;
+    const update = {
+      "yaxis.type": logarithmic ? "log" : "linear", "yaxis.range": (logarithmic ? ranges.log : ranges.linear).slice(),
+      "yaxis.dtick": logarithmic ? 1 : null, "yaxis.tickformat": logarithmic ? ".6~g" : null,
+    };
+    /* annotations lie on a logarithmic axis by their logarithms; ay is a place on the axis for arrows only */
+    linearNotes.forEach(function (note, i) {
+      for (const key of note.ayref === "y" ? ["y", "ay"] : ["y"]) {
+        update["annotations[" + i + "]." + key] = logarithmic ? Math.log10(note[key] || top) : note[key];
+      }
+    });
+    return update;
+  }
+
+  function nameScale(logarithmic) {
+    element("scale").textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
+  }
+
+  /* Before the curve is drawn, its axis changes in the figure itself. */
+  function startScale() {
+    const { yaxis, annotations, meta } = figures.curve.layout;
+    if (!meta.logarithmic) return;
+    for (const [path, value] of Object.entries(scaleOf(true))) {
+      const [, note, key] = path.match(/^annotations\[(\d+)\]\.(\w+)$/) || [];
+      if (key) annotations[note][key] = value;
+      else yaxis[path.slice("yaxis.".length)] = value;
+    }
+    nameScale(true);
+  }
+
+  showCurve(); showMaps(); showChoice(); showPair(); showGroups(); startScale();
   drawn = true;
 
   /* One figure after the other, the curve first, so that each is seen as soon as it is drawn. */
   async function drawAll() {
     for (const [id, figure] of Object.entries(figures)) {
       await draw(id, figure);
+      await fitMarks(id);
       await new Promise((shown) => setTimeout(shown, 0));
     }
     listen();

@@ -2,7 +2,7 @@
 (function () {
   "use strict";
 
-  const PERIOD_MS = 2400, TURN = Math.PI / 24, ZOOM = 1.15;
+  const PERIOD_MS = 2400, TURN = Math.PI / 24, ZOOM = 1.15, NEAR = 1.3;
   const HALF_ANGLE = Math.tan(Math.PI / 8);  // plotly sees 45 degrees from bottom to top
   const element = (id) => document.getElementById(id);
   const section = element("structure"), plot = element("structure-plot");
@@ -127,6 +127,20 @@
 
   const setCamera = (camera) => Plotly.relayout(plot, { "scene.camera": camera });
 
+  /* Names of t1 and t2 on a small contact would cover each other: they are there when the eye is near to it. */
+  const names = all.filter((trace) => data.figure.data[trace].mode === "text").map((trace) => [trace, data.figure.data[trace].text]);
+  const distanceOf = (camera) => Math.hypot(...["x", "y", "z"].map((axis) => camera.eye[axis] - camera.center[axis]));
+  const isNear = (camera) => !data.views.contact || distanceOf(camera) < NEAR * distanceOf(cameraOf(data.views.contact));
+  const namesFor = (text, near) => (near ? text : text.map(() => ""));
+  let near = true;
+
+  function nameDirections() {
+    const now = isNear(plot.layout.scene.camera);
+    if (now === near) return;
+    near = now;
+    names.forEach(([trace, text]) => Plotly.restyle(plot, { text: [namesFor(text, near)] }, [trace]));
+  }
+
   /* The eye goes round the centre: to the right and up by angles, and nearer by a factor. */
   function turned(camera, right, up, nearer) {
     const from = camera.center, arm = ["x", "y", "z"].map((axis) => camera.eye[axis] - from[axis]);
@@ -161,6 +175,7 @@
     const colour = element("structure-colour");
     if (colour) colour.addEventListener("change", () => paint(colour.value === "" ? null : data.stress[Number(colour.value)]));
     plot.on("plotly_webglcontextlost", showStill);
+    plot.on("plotly_relayout", nameDirections);
     if (motion) listenToMotion();
   }
 
@@ -176,6 +191,8 @@
     }
     section.classList.add("live");
     figure.layout.scene.camera = cameraOf(data.views.whole);
+    near = isNear(figure.layout.scene.camera);
+    names.forEach(([trace, text]) => { figure.data[trace].text = namesFor(text, near); });
     Plotly.newPlot(plot, figure.data, figure.layout, {
       responsive: true, displayModeBar: false, showSendToCloud: false, plotlyServerURL: "",
     }).then(function () {

@@ -148,6 +148,18 @@
     scaleMarks(plot, 0.6);
     plot.style.height = height + "px";  // plotly may fit its figures to their elements once more
     Plotly.relayout(plot, Object.assign(present(plot, fonts(9, 10)), { width: isHalf ? HALF : WHOLE, autosize: false, height: height }, placeBetween(plot, PRINTED_GAP)));
+    makeRoom(plot, height);
+  }
+
+  /* A legend of many rows would be cut, with a scroll bar, at half of the height, and leave no room for the curves. */
+  function makeRoom(plot, height) {
+    const { legend, yaxis2 } = plot._fullLayout;
+    if (!legend || !legend._height || plot.layout.legend2) return;
+    const curves = yaxis2 && !yaxis2.overlaying ? 200 : 70, around = 66;
+    const needed = Math.ceil(Math.max(2 * legend._height + 8, legend._height + around + curves));
+    if (needed <= height) return;
+    plot.style.height = needed + "px";
+    Plotly.relayout(plot, { height: needed });
   }
 
   function fitToScreen(plot) {
