@@ -20,15 +20,44 @@ import stickslip as ss
 
 TENSIONS_LB = (20, 35)
 # Columns of the data: time (s), displacement (in), force of the damper (kip), velocity, forces of the band (lb).
-DISPLACEMENT, FORCE = 1, 2
+TIME, DISPLACEMENT, FORCE = 0, 1, 2
+BAND_ENDS = slice(4, 6)
+FAST = 0.7  # of the largest speed: the band slides
 SHOWN = 20  # every 20th point is in the picture
+
+
+def measured(folder: Path, tension_lb: int) -> np.ndarray:
+    """Rows of the measurement at a belt tension."""
+    path = folder / "loops" / f"dataset1_0.5Hz{tension_lb}lbtension.json"
+    return np.array(json.loads(path.read_text(encoding="utf-8"))["data"])
 
 
 def fitted(folder: Path, tension_lb: int) -> ss.LoopFit:
     """Fit of the loops at a belt tension, which takes the place of the normal load."""
-    path = folder / "loops" / f"dataset1_0.5Hz{tension_lb}lbtension.json"
-    data = np.array(json.loads(path.read_text(encoding="utf-8"))["data"])
+    data = measured(folder, tension_lb)
     return ss.fit_loops(inch * data[:, DISPLACEMENT], 1e3 * lbf * data[:, FORCE], normal_load=tension_lb * lbf)
+
+
+def print_causes(fit: ss.LoopFit, other: ss.LoopFit, tension_lb: int) -> None:
+    """Energies predicted from the other tension, over the measured ones, if one constant is that of this tension."""
+    given = [other.tangential_stiffness, other.friction_limit * fit.normal_load / other.normal_load, other.backlash]
+    for number, name in enumerate(("tangential_stiffness", "friction_limit", "backlash")):
+        stiffness, limit, backlash = (getattr(fit, name) if at == number else value for at, value in enumerate(given))
+        slip = np.clip(fit.cycle_amplitude - limit / stiffness - 0.5 * backlash, 0.0, None)
+        ratio = 4.0 * limit * slip / fit.cycle_energy
+        print(f"{tension_lb} lb with its own {name}: {ratio.min():.3f} to {ratio.max():.3f} of the measured energy")
+
+
+def print_band(data: np.ndarray, tension_lb: int) -> None:
+    """Measured forces of both ends of the band while it slides, in both directions."""
+    speed = np.gradient(data[:, DISPLACEMENT], data[:, TIME])
+    fast = np.abs(speed) > FAST * np.abs(speed).max()
+    for sign in (1, -1):
+        here = data[fast & (np.sign(speed) == sign)]
+        ends = ", ".join(f"{force:.0f}" for force in here[:, BAND_ENDS].mean(axis=0))
+        print(
+            f"{tension_lb} lb, direction {sign:+d}: ends of the band {ends} lb, damper {here[:, FORCE].mean():.3f} kip"
+        )
 
 
 def main() -> None:
@@ -45,11 +74,13 @@ def main() -> None:
             print(f"{tension} lb: {name} {getattr(fit, name):.4g} ({low:.4g} to {high:.4g})")
         print(f"{tension} lb: misfit {fit.misfit:.3f}, without backlash {fit.misfit_without_backlash:.3f}")
         other = next(each for key, each in fits.items() if key != tension)
-        for amplitude, measured, own in zip(fit.cycle_amplitude, fit.cycle_energy, fit.fitted_energy, strict=True):
+        for amplitude, energy, own in zip(fit.cycle_amplitude, fit.cycle_energy, fit.fitted_energy, strict=True):
             predicted = other.energy_per_cycle(float(amplitude), fit.normal_load)
-            rows.append([tension, *(f"{x:.4g}" for x in (1e3 * amplitude, measured, own, predicted))])
-            rows[-1] += [f"{predicted / measured:.3f}"]
+            rows.append([tension, *(f"{x:.4g}" for x in (1e3 * amplitude, energy, own, predicted))])
+            rows[-1] += [f"{predicted / energy:.3f}"]
             print(*rows[-1])
+        print_causes(fit, other, tension)
+        print_band(measured(folder, tension), tension)
     with (out / "friction_damper.csv").open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(

@@ -3,6 +3,7 @@ with another stiffness."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -102,7 +103,14 @@ def test_page_file_and_tables_have_it(banded: tuple[Case, ReducedModel, ForcedRe
     assert f"; {low} µm to {high} µm or more with 1/3 to 3 of the stiffness, not measured" in page(response, record)
     assert stiffness_range(View.of(replace(response, stiffness_band=None), record).summary) == ""
     assert "was not measured" in words
-    assert words in page(response, record)
+    text = page(response, record)
+    assert words in text
+    for line in lines:  # both curves are in the figure, and are gone without the band
+        name = json.dumps(line["name"])[1:-1]
+        assert name in text or line["name"] in text
+        alone = page(replace(response, stiffness_band=None), record)
+        assert name not in alone
+        assert line["name"] not in alone
     (table,) = [each for each in study_tables(response, record) if each.name == "stiffness_band"]
     assert table.columns
 

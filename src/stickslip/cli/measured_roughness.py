@@ -132,11 +132,11 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
     for pressure in PRESSURES:
         laws = compared(fractal, persson, pressure)
         low, high = (1e-9 * end for end in laws.band)
+        beside = f"{1e-9 * laws.chosen:.3g} N/mm3, {laws.ratio:.3g} of it" if laws.chosen else "none, all spots plastic"
         table.append(
             (
                 f"{1e-6 * pressure:g} MPa",
-                f"Persson {1e-9 * laws.persson:.3g} N/mm3 (believable {low:.3g} to {high:.3g}), fractal "
-                f"{1e-9 * laws.chosen:.3g} N/mm3, {laws.ratio:.3g} of it",
+                f"Persson {1e-9 * laws.persson:.3g} N/mm3 (believable {low:.3g} to {high:.3g}), fractal {beside}",
             )
         )
     return table
@@ -162,8 +162,8 @@ def contact_message(measured: MeasuredRoughness, hardness: str | None = None) ->
     return (
         f"With {origin}hardness {roughness.hardness / 1e9:g} GPa spots below the critical area "
         f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face with a load below {least:.3g} N has no "
-        "other spots, and the law gives it no stiffness (mode unloading does). Above this load it has a stiffness; "
-        "stickslip check shows it."
+        "other spots, and the fractal law gives it no stiffness (its mode unloading and the default law do). Above "
+        "this load it has one; stickslip check shows it."
     )
 
 

@@ -22,6 +22,7 @@ from stickslip.model.study_structure import study_structure
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.static.state import StaticState
+from stickslip.study.form import form_rows, form_warnings
 from stickslip.study.mode import reduced_unknowns
 
 if TYPE_CHECKING:
@@ -82,7 +83,10 @@ def _stiffness_by_laws(face: RoughFace) -> Iterator[Derived]:
     low, high = (float(1e-9 * end) for end in found.band)
     fractal = face.stiffness.normal / face.reference_area
     yield "Stiffness per unit area by Persson's law", float(1e-9 * found.persson), "N/mm³", "of one face, normal"
-    yield "Stiffness per unit area by the fractal law", float(1e-9 * fractal), "N/mm³", "of the same face"
+    if fractal > 0.0:
+        yield "Stiffness per unit area by the fractal law", float(1e-9 * fractal), "N/mm³", "of the same face"
+    else:
+        yield "Stiffness per unit area by the fractal law", "none", "N/mm³", "all spots are plastic, see mode"
     yield "Believable stiffness per unit area", f"{_plain(low)} to {_plain(high)}", "N/mm³", "1/3 to 3 of Persson's law"
     yield "Stiffness of this study over Persson's law", float(found.ratio), "-", "believable: 1/3 to 3"
 
@@ -143,6 +147,7 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", where
     yield "Real over nominal area", float(first.stiffness.real_area / area), "-", "of one face"
     yield from _stiffness_by_laws(first)
+    yield from form_rows(case, joint)
     yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "fraction of the preload"
 
 
@@ -251,7 +256,7 @@ def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
     """Warnings of the input and of the roughness law, each message once."""
     sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.messages)
     found = (*(odd.sentence for odd in odd_values(case, joint.layout)), *joint.layout.messages, *sentences)
-    return (*found, *joint.stiffness_warnings, *kind_of(case).warnings(case))
+    return (*found, *form_warnings(case, joint), *joint.stiffness_warnings, *kind_of(case).warnings(case))
 
 
 def _rows_of_pairs(pairs: FacePairs) -> Iterator[tuple[str, str]]:

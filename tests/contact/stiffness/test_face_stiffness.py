@@ -12,6 +12,7 @@ from rough_faces import MINDLIN, NOMINAL_AREA, rough
 from sentences import printed_sentence, rejects
 from stickslip.contact.stiffness.believable import compared
 from stickslip.contact.stiffness.face_stiffness import RoughnessLaw, persson_law
+from stickslip.contact.stiffness.fractal import ContactStatus, StiffnessMode
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 
 WAVES = {"sample_length": 0.028, "shortest_length": 1e-6}
@@ -47,6 +48,23 @@ def test_a_face_that_is_not_pressed_has_none() -> None:
     found = ss.contact_stiffness(rough(**WAVES), 0.0, area=NOMINAL_AREA, law="persson")
     assert (found.normal, found.tangential) == (0.0, 0.0)
     printed_sentence(found.messages[0])
+
+
+@pytest.mark.parametrize("mode", ["consistent", "varying-curvature"])
+def test_a_fully_plastic_face_has_no_stiffness_by_elastic_spots_alone(mode: StiffnessMode) -> None:
+    """Modes of elastic spots end with an error; unloading sums 2 E* a over the plastic spots, as Persson's law does."""
+    face = rough(2.3, 1e-8, **WAVES)
+    with rejects(ss.RoughnessError, "mode"):
+        ss.contact_stiffness(face, LOAD, mode)
+    unloading = ss.contact_stiffness(face, LOAD, "unloading")
+    assert unloading.status is ContactStatus.FULLY_PLASTIC
+    assert unloading.plastic_load_share == 1.0
+    # n(a') = C a'^(-d/2-1) carries the load H a': both integrals in closed form, d = 1.3.
+    smallest, largest, d = np.pi * (0.5e-6) ** 2, unloading.largest_area, 1.3
+    scale = LOAD / (face.hardness * (largest ** (1 - d / 2) - smallest ** (1 - d / 2)) / (1 - d / 2))
+    both = scale * (smallest ** ((1 - d) / 2) - largest ** ((1 - d) / 2)) / ((d - 1) / 2)
+    assert unloading.normal == pytest.approx(2 * face.reduced_modulus / np.sqrt(np.pi) * both, rel=1e-9)
+    assert ss.contact_stiffness(face, LOAD, area=NOMINAL_AREA).normal > 0.0
 
 
 def test_form_is_no_roughness() -> None:

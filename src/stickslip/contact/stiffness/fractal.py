@@ -105,7 +105,7 @@ def fractal_contact(
 ) -> ContactStiffness:
     """The fractal contact of a face under ``load`` (N), with its stiffness (N/m); all zero for a load <= 0.
 
-    consistent: K_n is the sum of dF/ddelta = 2 E* r over the elastic spots at fixed curvature (Hertz),
+    consistent: K_n is the sum of dF/ddelta = 2 E* r over the elastic spots alone, at fixed curvature (Hertz),
         K_n = sqrt(2/pi) E* b,   b = psi^((2-d)/2) d/(d-1) [a_l'^(d/2) a_c'^((1-d)/2) - a_l'^(1/2)],   d = D - 1.
     varying-curvature: K_n is the sum of (dF_e/dr') / (ddelta/dr') along the family of spots, whose curvature varies
         with their size: the above times 2(3-d) / (3(2-d)). No single spot has this stiffness.
@@ -114,9 +114,10 @@ def fractal_contact(
     K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
     Derivation and sources: docs/theory_roughness.md, sections 2 to 4.
 
-    ``area`` in m2, the nominal one, is optional, for comparison with the real area. A stiffness of zero is a valid
-    result, with its status and message; ``springs_of_pairs`` rejects it. Raises InputError for values that are not
-    usable.
+    ``area`` in m2, the nominal one, is optional, for comparison with the real area. A pressed face whose spots are all
+    plastic has zero stiffness in the first two modes, with its status and message: this describes the spots and is not
+    the stiffness of a contact, so :func:`contact_stiffness` and ``springs_of_pairs`` reject it. Raises InputError for
+    values that are not usable.
     """
     require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
@@ -267,8 +268,8 @@ def _asperity_slope(spots: SpotPopulation) -> float:
     return exp(log_slope) if log_slope < LOG_LARGEST_NUMBER else inf
 
 
-def why_no_stiffness(roughness: Roughness, mode: StiffnessMode, load: float) -> str:
-    """Why a face under ``load`` (N) has no stiffness, and which load, G or mode would give it one."""
+def why_no_stiffness(roughness: Roughness, load: float) -> str:
+    """Why the modes of elastic spots give a face under ``load`` (N) no stiffness; which load, G or law gives it one."""
     needed, scale = fully_plastic_load(roughness), roughness.fractal_roughness
     enough = _rounded(needed, 4, ROUND_CEILING)
     ways = [
@@ -278,10 +279,10 @@ def why_no_stiffness(roughness: Roughness, mode: StiffnessMode, load: float) -> 
     dimension = _least_dimension(roughness, load)
     if dimension is not None:
         ways.append(f"raise D to {dimension:g} (a smoother face)")
-    if mode != "unloading":
-        ways.append(
-            'use mode "unloading", where plastic spots respond to oscillation too (it requires shortest_length)'
-        )
+    ways.append(
+        'use law = "persson" or mode = "unloading", in which plastic contact responds to a small oscillation too (both '
+        "require shortest_length)"
+    )
     return (
         f"with D = {roughness.fractal_dimension:g} and G = {scale:g} m each contact spot is plastic under a face load "
         f"of {load:.4g} N; elastic spots require more than {enough} N. Remedies: {', or '.join(ways)}. At these limits "

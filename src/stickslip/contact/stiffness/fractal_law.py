@@ -46,7 +46,7 @@ class FractalStiffness:
         messages: dict[str, str] = {}
         for value, face in zip(pressure, self._faces(pressure), strict=True):
             if not face.normal > 0.0:
-                return (why_no_stiffness(self.roughness, self.mode, float(value) * self.reference_area),)
+                return (why_no_stiffness(self.roughness, float(value) * self.reference_area),)
             for message in face.messages:
                 messages.setdefault(message.split(":")[0][:40], message)
         return tuple(messages.values())
