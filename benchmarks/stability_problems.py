@@ -170,7 +170,7 @@ def rigid_damper(seed: int, name: str) -> Problem:
 
 RANDOM = (
     ("high", 0), ("high", 10), ("low", 2), ("light", 1), ("narrow", 0), ("narrow", 1), ("narrow", 2), ("twins", 0),
-    ("twins", 2), ("multi", 2), ("wide", 0), ("chain", 1), ("beam", 2),
+    ("twins", 2), ("twins", 5), ("multi", 2), ("wide", 0), ("chain", 1), ("beam", 2),
 )  # fmt: skip
 PROBLEMS: dict[str, Callable[[str], Problem]] = {
     "duffing, hardening": lambda name: duffing(0.4, 0.25, (0.5, 3.0), name),

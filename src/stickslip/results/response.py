@@ -94,7 +94,8 @@ class ForcedResponse(ResponseData):
         not computed, and ``stability_message`` then gives the reason.
     doubtful:
         (n_points,) whether the verdict ``stable`` is doubtful: a multiplier is too close to the unit circle, or the
-        motion corrected with more harmonics has another verdict or is not known; None with ``stable``.
+        motion corrected with more harmonics has another verdict, or unsettled multipliers, or is not known; None with
+        ``stable``.
     multipliers:
         (n_points, k) complex, the largest factors by which a small disturbance grows in a period (Floquet multipliers),
         the largest first; 0 where there are fewer. The motion is unstable where one is outside of the unit circle.

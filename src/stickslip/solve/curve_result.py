@@ -222,9 +222,9 @@ def _stability_warnings(stability: CurveStability | None, hertz: FloatArray) -> 
     if unconfirmed.size:
         warnings.append(
             f"The stability of {unconfirmed.size} of {hertz.size} points from {unconfirmed.min():.3f} to "
-            f"{unconfirmed.max():.3f} Hz is doubtful: corrected with more harmonics, the motion has another verdict or "
-            "is not known. Run again with more harmonics, or with a finer accuracy, before you trust stable and "
-            "unstable parts or the jumps of slow sweeps there."
+            f"{unconfirmed.max():.3f} Hz is doubtful: corrected with more harmonics, the motion has another verdict, "
+            "multipliers that still change too much, or is not known. Run again with more harmonics, or with a finer "
+            "accuracy, before you trust stable and unstable parts or the jumps of slow sweeps there."
         )
     return tuple(warnings)
 

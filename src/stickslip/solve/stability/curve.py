@@ -3,14 +3,14 @@
 The multipliers have an error by sampling, which matters only near the unit circle. There a point is computed again with
 more samples. Where a real multiplier is too close to 1, the verdict is that of the same side of the fold, because a
 curve turns in frequency exactly where a multiplier is 1. The error by harmonics has no such bound: some points are
-corrected with more harmonics, and a verdict is doubtful if the multipliers of the corrected motion contradict it.
+corrected with more harmonics, and a verdict is doubtful if the multipliers of the corrected motion contradict it, or if
+they moved too far for a verdict and twice the harmonics again do not settle them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, fol
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
 from stickslip.solve.stability.multipliers import ComplexArray, is_real, multipliers, stuck_multipliers
+from stickslip.solve.stability.verdict import ROUND_OFF, Counts, Verdict, distances_to
 
 # Samples of the period, and for each harmonic, at first; near the unit circle up to FINEST times as many.
 FIRST_SAMPLES, SAMPLES_PER_HARMONIC, FINEST = 128, 16, 4
@@ -33,11 +34,8 @@ FIRST_SAMPLES, SAMPLES_PER_HARMONIC, FINEST = 128, 16, 4
 # number: 97 of 100 multipliers above 0.9 of the benchmark blades and the default two-blade case, against four times the
 # samples.
 FIRST_ERROR, LARGEST_ERROR = 0.15, 0.01
-# A point with a larger multiplier is unstable whatever the error by samples, so it needs no second number of samples:
-# its others, near the circle, change no verdict, only where their numbers change along an unstable part.
-SURELY_OUTSIDE = 1.5
-# Round-off of the march, where no contact changes.
-ROUND_OFF = 1e-7
+# How often more harmonics may confirm the verdict of a point.
+MOST_CORRECTIONS = 2
 # Number of multipliers of each point in a result.
 STORED = 4
 
@@ -58,7 +56,8 @@ class CurveStability:
         (n,) points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
         computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers.
     unconfirmed:
-        (n,) points at which the motion corrected with more harmonics has another verdict, or is not known.
+        (n,) points at which the motion corrected with more harmonics has another verdict, multipliers that more
+        harmonics still move as far as the circle, or is not known.
     error_at_folds:
         largest distance from 1 of the multiplier at a fold where the stability changes; a large one says that the
         harmonics are too few.
@@ -87,69 +86,6 @@ class CurveStability:
             np.concatenate([part.unconfirmed for part in parts]),
             max(part.error_at_folds for part in parts),
         )
-
-
-class _Counts(NamedTuple):
-    """Multipliers outside of the unit circle: real ones above 1, below -1, and complex ones."""
-
-    positive: int
-    negative: int
-    complex: int
-
-
-@dataclass(frozen=True)
-class _Verdict:
-    """The multipliers of a point and their errors (of each)."""
-
-    values: ComplexArray
-    errors: FloatArray
-
-    @property
-    def _real(self) -> BoolArray:
-        return is_real(self.values)
-
-    @property
-    def is_surely_unstable(self) -> bool:
-        """Whether a multiplier is outside of the unit circle by more than any error."""
-        return bool((np.abs(self.values) > SURELY_OUTSIDE).any())
-
-    @property
-    def undecided(self) -> bool:
-        """Whether a multiplier is closer to the unit circle than its error, and no other one decides; folds decide
-        about a real one near 1."""
-        if self.is_surely_unstable:
-            return False
-        beside_fold = self._real & (self.values.real > 0.0)
-        unsure = np.abs(np.abs(self.values) - 1.0) <= self.errors
-        return bool((unsure & ~beside_fold).any())
-
-    def counts(self) -> _Counts:
-        """How many multipliers are outside of the unit circle."""
-        outside = np.abs(self.values) > 1.0 + ROUND_OFF
-        positive = outside & self._real & (self.values.real > 0.0)
-        negative = outside & self._real & ~positive
-        return _Counts(int(positive.sum()), int(negative.sum()), int((outside & ~self._real).sum()))
-
-    def near_one(self, distance: float) -> bool:
-        """Whether a real multiplier is within a distance of 1, or its error."""
-        return bool(self._near_one(distance).any())
-
-    def possible(self, distance: float) -> range:
-        """Numbers of real multipliers above 1, if those within a distance of 1, or their error, may be on either
-        side."""
-        near = self._near_one(distance)
-        beyond = int((self._real & (self.values.real > 1.0) & ~near).sum())
-        return range(beyond, beyond + int(near.sum()) + 1)
-
-    def confirms(self, stable: bool, distance: float) -> bool:
-        """Whether these multipliers allow a verdict; folds decide about real ones within a distance of 1."""
-        counts, positive = self.counts(), self.possible(distance)
-        others = counts.negative + counts.complex
-        return not (others or positive[0]) if stable else bool(others or positive[-1])
-
-    def _near_one(self, distance: float) -> BoolArray:
-        """Which are real and within a distance of 1, or their error."""
-        return np.asarray(self._real & (np.abs(self.values - 1.0) <= np.maximum(self.errors, distance)))
 
 
 def reason_without(pairs: ContactPairs) -> str:
@@ -190,9 +126,9 @@ def curve_stability(
 
     def confirms(points: Sequence[int]) -> list[bool]:
         assert correction is not None
-        known = {point: trial for point in points if (trial := correction(point)) is not None}
-        found = dict(zip(known, _verdicts(pairs, stuck, list(known.values())), strict=True))
-        return [each in found and found[each].confirms(bool(stable[each]), distances[each]) for each in points]
+        limits = {point: (bool(stable[point]), distances[point]) for point in points}
+        confirmed = _confirmed(pairs, stuck, trials, limits, correction)
+        return [point in confirmed for point in points]
 
     unconfirmed = np.zeros(stable.size, dtype=bool)
     if correction is not None:
@@ -211,19 +147,47 @@ def curve_stability(
     )
 
 
+def _confirmed(
+    pairs: ContactPairs,
+    stuck: StuckStructure,
+    trials: Sequence[Trial],
+    limits: Mapping[int, tuple[bool, float]],
+    correction: Correction,
+) -> set[int]:
+    """The points whose verdicts more harmonics confirm. ``limits`` are their verdicts and the distances from 1 up to
+    which real multipliers do not decide."""
+    confirmed: set[int] = set()
+    motions = {point: trials[point] for point in limits}
+    for _ in range(MOST_CORRECTIONS):
+        finer = {point: trial for point, each in motions.items() if (trial := correction(point, each)) is not None}
+        # One model for both motions: with more harmonics more modes have inertia, and with them multipliers.
+        both = _verdicts(pairs, stuck, [*finer.values(), *(motions[point] for point in finer)])
+        motions = {}
+        for point, verdict, before in zip(finer, both, both[len(finer) :], strict=False):
+            if not verdict.confirms(*limits[point]):
+                continue
+            if verdict.moved_from(before).settles(limits[point][0]):
+                confirmed.add(point)
+            else:
+                motions[point] = finer[point]
+        if not motions:
+            break
+    return confirmed
+
+
 def _harmonics(trial: Trial) -> int:
     """Number of harmonics of a solution."""
     return len(trial.relative) // 2
 
 
-def _verdicts(pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial]) -> list[_Verdict]:
+def _verdicts(pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial]) -> list[Verdict]:
     """The verdict of each point; the points are shared among threads."""
     if not trials:
         return []
     moves = np.any([trial.contact.moves for trial in trials], axis=0)
     hidden = np.max([pairs.hidden_springs(trial.contact) for trial in trials], axis=0)
     model = stability_model(stuck, max(_harmonics(trial) for trial in trials), moves, hidden)
-    verdicts: dict[int, _Verdict] = {}
+    verdicts: dict[int, Verdict] = {}
 
     def judge(start: int, stop: int) -> None:
         for point in range(start, stop):
@@ -233,28 +197,23 @@ def _verdicts(pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial
     return [verdicts[point] for point in range(len(trials))]
 
 
-def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> _Verdict:
+def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdict:
     """The multipliers of a point with as many samples as its verdict requires."""
     stuck = stuck_multipliers(model, trial.omega)
     if not trial.contact.moves.any():
-        return _Verdict(stuck, np.full(stuck.size, ROUND_OFF))
+        return Verdict(stuck, np.full(stuck.size, ROUND_OFF))
     first = max(FIRST_SAMPLES, SAMPLES_PER_HARMONIC * _harmonics(trial))
     values = multipliers(model, pairs, trial, first)
-    errors = np.minimum(FIRST_ERROR * _distances(values, stuck), LARGEST_ERROR)
-    verdict = _Verdict(values, np.maximum(errors, ROUND_OFF))
+    errors = np.minimum(FIRST_ERROR * distances_to(values, stuck), LARGEST_ERROR)
+    verdict = Verdict(values, np.maximum(errors, ROUND_OFF))
     # A pair or a negative multiplier outside of the circle has no fold that confirms it.
     counts, samples = verdict.counts(), first
     confirmed = verdict.is_surely_unstable or not (counts.negative or counts.complex)
     while samples < FINEST * first and (verdict.undecided or not confirmed):
         samples, confirmed = 2 * samples, True
         values = multipliers(model, pairs, trial, samples)
-        verdict = _Verdict(values, np.maximum(_distances(values, verdict.values), ROUND_OFF))
+        verdict = Verdict(values, np.maximum(distances_to(values, verdict.values), ROUND_OFF))
     return verdict
-
-
-def _distances(values: ComplexArray, others: ComplexArray) -> FloatArray:
-    """(k,) the distance of each value from the nearest of the others."""
-    return np.asarray(np.abs(values[:, None] - others).min(axis=1, initial=np.inf))
 
 
 def _changes_at(fold: Fold, positive: Sequence[int]) -> bool:
@@ -264,7 +223,7 @@ def _changes_at(fold: Fold, positive: Sequence[int]) -> bool:
 
 
 def _changes(
-    verdicts: Sequence[_Verdict], counts: Sequence[_Counts], hertz: FloatArray, folds: Sequence[Fold]
+    verdicts: Sequence[Verdict], counts: Sequence[Counts], hertz: FloatArray, folds: Sequence[Fold]
 ) -> list[Bifurcation]:
     """The bifurcations between points whose counts differ."""
     found = []
@@ -276,7 +235,7 @@ def _changes(
 
 
 def _bifurcation(
-    kind: BifurcationKind, point: int, verdicts: Sequence[_Verdict], hertz: FloatArray, folds: Sequence[Fold]
+    kind: BifurcationKind, point: int, verdicts: Sequence[Verdict], hertz: FloatArray, folds: Sequence[Fold]
 ) -> Bifurcation:
     """The bifurcation between a point and the next one."""
     if kind == "fold":

@@ -20,7 +20,8 @@ from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.neglected import UNKNOWN, chord_of, more_harmonics, neglected
 
-Correction = Callable[[int], Trial | None]
+# The number of a point and its motion, with any number of harmonics, to the motion with more of them.
+Correction = Callable[[int, Trial], Trial | None]
 
 # chosen: so many points of a curve are corrected, and one of each part with one verdict; then those between a confirmed
 # point and another one. All points of the bench blades would take up to 2.4 times the time of their curve.
@@ -30,20 +31,22 @@ FIRST_POINTS = 8
 def correction_of(
     trials: Sequence[Trial], balance_of: Callable[[int, int], Balance], samples: int, damped_harmonics: int | None
 ) -> Correction:
-    """The function that corrects a point with more harmonics (:func:`neglected`), to None where that has no result.
+    """The function that corrects a motion with more harmonics (:func:`neglected`), to None where that has no result.
 
     ``balance_of`` gives the balance for a number of harmonics and samples, ``damped_harmonics`` those whose resonances
     have damping (:func:`more_harmonics`). The points are in the order of a curve.
     """
     known, last, end = cache(balance_of), LastFactor(), len(trials) - 1
 
-    def corrected(point: int) -> Trial | None:
-        trial = trials[point]
+    def corrected(point: int, trial: Trial) -> Trial | None:
         harmonics = len(trial.relative) // 2
         more = more_harmonics(harmonics, 2 * samples, damped_harmonics)
+        if more == harmonics:
+            return None
         fine = known(more, samples if samples > 2 * more else 2 * samples)
         along = chord_of(trials[max(point - 1, 0)], trials[min(point + 1, end)])
-        estimate = neglected(trial, known(harmonics, samples), fine, along, last)
+        own = known(harmonics, samples if samples > 2 * harmonics else 2 * samples)
+        estimate = neglected(trial, own, fine, along, last)
         if estimate.step is None or estimate.error >= UNKNOWN:
             return None
         relative = with_rows(trial.relative, 2 * more + 1) + estimate.step.unknowns
