@@ -73,9 +73,7 @@ class TriangularFactor:
             part = columns[:, start : start + COLUMNS]
             block = ordered[:, : part.shape[1]] if part.shape[1] == ordered.shape[1] else np.empty(part.shape)
             block[self.place] = part
-            solve_block(
-                self.firsts, self.row_starts, self.rows, self.value_starts, self.values, self.diagonal, block
-            )
+            solve_block(self.firsts, self.row_starts, self.rows, self.value_starts, self.values, self.diagonal, block)
             answer[:, start : start + COLUMNS] = block[self.place]
         return answer.reshape(right.shape)
 
