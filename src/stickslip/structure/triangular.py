@@ -137,6 +137,13 @@ def _fill_panels(
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
+def _subtract(target: FloatArray, value: float, known: FloatArray) -> None:
+    """``target -= value * known`` of rows (k,)."""
+    for k in range(target.size):
+        target[k] -= value * known[k]
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def solve_block(
     firsts: LongArray,
     row_starts: LongArray,
@@ -158,24 +165,17 @@ def solve_block(
         numbers = values[value_starts[panel] : value_starts[panel + 1]].reshape(-1, width)
         for j in range(width):
             for i in range(j + 1, width):
-                value, target, known = numbers[i, j], source[i], source[j]
-                for k in range(n_columns):
-                    target[k] -= value * known[k]
+                _subtract(source[i], numbers[i, j], source[j])
         below = rows[row_starts[panel] : row_starts[panel + 1]]
         if width < LEAST_PANEL:
             for i in range(len(below)):
-                target = block[below[i]]
                 for j in range(width):
-                    value, known = numbers[width + i, j], source[j]
-                    for k in range(n_columns):
-                        target[k] -= value * known[k]
+                    _subtract(block[below[i]], numbers[width + i, j], source[j])
             continue
         product = work[: len(below)]
         np.dot(numbers[width:], source, product)
         for i in range(len(below)):
-            target, known = block[below[i]], product[i]
-            for k in range(n_columns):
-                target[k] -= known[k]
+            _subtract(block[below[i]], 1.0, product[i])
     for panel in range(n_panels - 1, -1, -1):
         first, last = firsts[panel], firsts[panel + 1]
         target_rows, width = block[first:last], last - first
@@ -187,11 +187,8 @@ def solve_block(
                 target[k] /= diagonal[first + i]
         if width < LEAST_PANEL:
             for i in range(len(below)):
-                known = block[below[i]]
                 for j in range(width):
-                    value, target = numbers[width + i, j], target_rows[j]
-                    for k in range(n_columns):
-                        target[k] -= value * known[k]
+                    _subtract(target_rows[j], numbers[width + i, j], block[below[i]])
         else:
             gathered = work[: len(below)]
             for i in range(len(below)):
@@ -201,6 +198,4 @@ def solve_block(
             target_rows -= np.dot(numbers[width:].T, gathered)
         for j in range(width - 1, -1, -1):
             for i in range(j + 1, width):
-                value, target, known = numbers[i, j], target_rows[j], target_rows[i]
-                for k in range(n_columns):
-                    target[k] -= value * known[k]
+                _subtract(target_rows[j], numbers[i, j], target_rows[i])
