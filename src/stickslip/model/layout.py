@@ -147,8 +147,13 @@ class Layout:
     @cached_property
     def boundary_nodes(self) -> IntArray:
         """Nodes that keep their displacements in a reduction: those of contact pairs, and of groups of one node."""
+        return np.union1d(self.face_pairs.nodes, self.single_nodes).astype(np.int64)
+
+    @cached_property
+    def single_nodes(self) -> IntArray:
+        """(k,) nodes of groups of one node, each once and in order."""
         single = [node_group.nodes for node_group in self.node_groups.values() if node_group.is_single]
-        return np.unique(np.concatenate([self.face_pairs.nodes, *single])).astype(np.int64)
+        return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *single])).astype(np.int64)
 
     def distributed_forces(self, sizes: Mapping[str, tuple[float, ...]]) -> dict[str, FloatArray]:
         """Section -> (n_nodes, 3) N of each distributed static load, from section -> its sizes (k,)."""

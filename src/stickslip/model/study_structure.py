@@ -25,6 +25,8 @@ from stickslip.structure.factor import best_backend
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.recovery import reduced_load
+from stickslip.structure.relative_model import RelativeModel
+from stickslip.structure.relative_reduction import cached_relative_superelement, relative_model
 from stickslip.structure.rotating import RotatingBodies
 from stickslip.structure.rotating_reduction import rotating_superelement
 from stickslip.structure.rotating_superelement import RPM, RotatingSuperelement
@@ -117,7 +119,7 @@ class StudyStructure(Protocol):
         """Unknowns of the full model; None for matrices, which are not reduced."""
 
     def reduced_unknowns(self, layout: Layout, n_modes: int) -> tuple[int, int]:
-        """Unknowns of boundary nodes, and modes with fixed boundary, after the reduction."""
+        """Unknowns of boundary nodes or pairs, and modes with fixed boundary, after the reduction."""
 
     def reduced(
         self, layout: Layout, n_modes: int, threads: int = 1, progress: ProgressCallback | None = None
@@ -183,13 +185,28 @@ class _Bodies:
         return self.full_model.free_unknowns
 
     def reduced_unknowns(self, layout: Layout, n_modes: int) -> tuple[int, int]:
-        return 3 * layout.boundary_nodes.size, n_modes
+        nodes = layout.boundary_nodes.size
+        if self._relative_model(layout) is not None:
+            nodes = layout.face_pairs.n_pairs + layout.single_nodes.size
+        return 3 * nodes, n_modes
+
+    def _relative_model(self, layout: Layout) -> RelativeModel | None:
+        """The model in the relative displacements of a large joint; None where both sides remain."""
+        if self.gyroscopic is not None:
+            return None  # the recovery projects Coriolis matrices in the displacements of both sides
+        return relative_model(self.full_model, layout.face_pairs, layout.single_nodes)
 
     def reduced(
         self, layout: Layout, n_modes: int, threads: int = 1, progress: ProgressCallback | None = None
     ) -> ReducedStructure:
         """An earlier reduction is read from the disk."""
         structure, nodes = self.full_model, layout.boundary_nodes
+        relative = self._relative_model(layout)
+        if relative is not None:
+            joint = cached_relative_superelement(
+                relative, layout.face_pairs, layout.single_nodes, n_modes, threads, progress
+            )
+            return ReducedStructure.of_superelement(joint, layout)
         backend = best_backend(structure.stiffness.shape[0], 3 * nodes.size)
         superelement = cached_superelement(
             structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
@@ -218,6 +235,9 @@ class _BodiesAtManySpeeds(_Bodies):
     """Bodies of a mesh with one reduction for all speeds up to a highest one."""
 
     rotating: RotatingBodies = field(kw_only=True)
+
+    def _relative_model(self, layout: Layout) -> None:
+        """The reduction for all speeds is to the displacements of both sides."""
 
     def reduced(
         self, layout: Layout, n_modes: int, threads: int = 1, progress: ProgressCallback | None = None

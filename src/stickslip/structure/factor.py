@@ -26,8 +26,9 @@ SOLUTION_ERROR_LIMIT = 1e-3
 # Above this size PARDISO is faster than SuperLU, by a factor that grows with the size.
 PARDISO_SIZE = 40_000
 # From this number of right-hand sides on the form of SuperLU's factor for many columns pays. Process time measured for
-# a column, two blades: 7 ms against 15 ms of SuperLU (31,803 interior unknowns), 21 ms of PARDISO (53,151).
-MANY_COLUMNS = 2000
+# a column, two blades: 2 ms against 12 ms of SuperLU (33,117 interior unknowns), 5 ms against 21 ms of PARDISO
+# (56,118).
+MANY_COLUMNS = 1000
 # Time of a SuperLU factor of a slender and of a full solid mesh of 100,000 unknowns, measured (docs/performance.md).
 SUPERLU_SECONDS, SUPERLU_SIZE, SUPERLU_GROWTH = (7.0, 50.0), 100_000, 1.9
 _SINGULAR_ADVICE = (

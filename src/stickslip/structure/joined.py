@@ -19,6 +19,9 @@ class NodePairs(Protocol):
     n."""
 
     @property
+    def nodes(self) -> IntArray: ...
+
+    @property
     def first_nodes(self) -> IntArray: ...
 
     @property
@@ -68,7 +71,13 @@ def tie_matrix(followers: IntArray, leaders: IntArray, weights: FloatArray, size
 
 
 def _tie_matrix(model: Structure | Superelement, pairs: NodePairs) -> Any:
-    """The tie matrix of all pairs: second nodes follow first ones, or first nodes follow points of the second face."""
+    """The tie matrix of all pairs: second nodes follow first ones, or first nodes follow points of the second face.
+
+    Pairs whose relative displacements are unknowns have none.
+    """
+    if isinstance(model, Superelement) and model.joint_rows is not None:
+        pairs.operator(model)  # rejects other pairs
+        return np.delete(np.eye(model.size), model.joint_unknowns, axis=1)
     if pairs.is_matching:
         followers, leaders, weights = pairs.second_node, pairs.first_node[:, None], np.ones((len(pairs.first_node), 1))
     elif (np.count_nonzero(pairs.first_weights, axis=1) > 1).any():

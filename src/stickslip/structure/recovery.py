@@ -113,7 +113,7 @@ class Recovery:
             unbalance -= weighted @ (self.modes.T @ unbalance)
             change = self._solve(unbalance)
             free[inside] -= change - self.modes @ (weighted.T @ change)
-        return free
+        return np.asarray(self._structure.expand(free)[self._structure.free_unknowns])
 
     def with_omitted_modes(self, reduced: FloatArray, load: FloatArray, omega: float = 0.0) -> FloatArray:
         """Displacements (3 * n_nodes, 2H+1) of the mesh with the static part of the modes that the reduction omits.

@@ -18,6 +18,8 @@ from stickslip.core.validation import FloatArray, finite_array, skew_matrix, sym
 RIGID_FRACTION = 1e-10
 # chosen: part of the largest entry of a mode that counts as its round-off in other unknowns; eigensolvers leave 1e-14.
 ROUND_OFF_PART = 1e-8
+# chosen: rows of pairs that differ by less are the same; their entries are parts of unit vectors.
+SAME_ROWS = 1e-9
 
 
 class PairsOfNodes(Protocol):
@@ -55,6 +57,10 @@ class Superelement:
         (n, n) N s/m, skew-symmetric: G of the Coriolis forces in a rotating frame, which do no work, or None. The
         skew-symmetric part ``0.5 * (C - C.T)`` of a damping matrix without symmetry is such a matrix; its symmetric
         part ``0.5 * (C + C.T)`` is ``damping``.
+    joint_rows:
+        csr (m, 3 * n_nodes), the rows t1, t2, n of contact pairs on the displacements of the mesh whose relative
+        displacements are the m unknowns after those of the boundary nodes
+        (:mod:`stickslip.structure.relative_reduction`), or None.
 
     Raises
     ------
@@ -72,6 +78,7 @@ class Superelement:
     positions: FloatArray | None = None
     node_sets: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
     gyroscopic: FloatArray | None = None
+    joint_rows: Any = None
 
     def __post_init__(self) -> None:
         mass = symmetric_matrix("mass", self.mass)
@@ -160,8 +167,11 @@ class Superelement:
     def operator(self, pairs: PairsOfNodes) -> FloatArray:
         """(3 * n_pairs, n) rows t1, t2, n of pairs from the unknowns; n > 0 closes.
 
-        Raises InputError when a node of a pair is not among the boundary nodes.
+        Raises InputError when a node of a pair is not among the boundary nodes, and for other pairs than those whose
+        relative displacements are unknowns.
         """
+        if self.joint_rows is not None:
+            return self._joint_operator(pairs)
         boundary, nodes = self.boundary_nodes, pairs.nodes
         missing = np.setdiff1d(nodes, boundary)
         if missing.size:
@@ -172,6 +182,26 @@ class Superelement:
         full = pairs.mesh_operator(int(boundary.max()) + 1)
         matrix = np.zeros((full.shape[0], self.size))
         matrix[:, : 3 * len(boundary)] = full[:, (3 * boundary[:, None] + np.arange(3)).ravel()].toarray()
+        return matrix
+
+    @property
+    def joint_unknowns(self) -> NDArray[np.int64]:
+        """(m,) the unknowns that are relative displacements of contact pairs; empty in most superelements."""
+        start = 3 * self.boundary_nodes.size
+        return np.arange(start, start + (0 if self.joint_rows is None else self.joint_rows.shape[0]))
+
+    def _joint_operator(self, pairs: PairsOfNodes) -> FloatArray:
+        """:meth:`operator` of the pairs whose relative displacements are unknowns."""
+        n_nodes = self.joint_rows.shape[1] // 3
+        rows = pairs.mesh_operator(n_nodes) if pairs.nodes.max() < n_nodes else None
+        if rows is None or rows.shape != self.joint_rows.shape or abs(rows - self.joint_rows).max() > SAME_ROWS:
+            raise InputError(
+                f"the superelement contains the relative displacements of its own {self.joint_unknowns.size // 3} "
+                "contact pairs, but these pairs differ from them; reduce again with these pairs.",
+                arguments=["pairs"],
+            )
+        matrix = np.zeros((self.joint_unknowns.size, self.size))
+        matrix[np.arange(len(matrix)), self.joint_unknowns] = 1.0
         return matrix
 
     def with_rayleigh_damping(self, mass_factor: float, stiffness_factor: float) -> Superelement:

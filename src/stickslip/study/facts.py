@@ -278,9 +278,11 @@ def sizes(case: Case, setup: Setup, structure: AnyStructure, joint: Joint) -> tu
     if known.mesh is None or known.free_unknowns is None:
         unknowns = [("unknowns", f"{boundary}")]
     else:
+        is_relative = boundary < 3 * joint.layout.boundary_nodes.size
+        kept = "relative ones of pairs and those of boundary nodes" if is_relative else "of boundary nodes"
         unknowns = [
             ("unknowns of the full model", f"{known.free_unknowns.size} free of {3 * known.mesh.n_nodes}"),
-            ("unknowns after reduction", f"{boundary + modes} ({boundary} of boundary nodes, {modes} modes)"),
+            ("unknowns after reduction", f"{boundary + modes} ({boundary} {kept}, {modes} modes)"),
         ]
     return (
         *setup.sizes(),

@@ -81,6 +81,17 @@ def test_every_sector_moves_as_the_first_one_later(sectors: Any, engine_order: A
     assert (ring_trial.contact.state.reshape(sectors, 2) == trial.contact.state).all()
 
 
+@pytest.mark.parametrize("direction", ["forward", "backward"])
+def test_outputs_of_a_vibration_in_this_and_the_next_sector_are_those_of_the_ring(direction: Any) -> None:
+    disk, omega = SmallDisk.of(6), 2.0 * np.pi * 84.0
+    own, whole = (kind(disk, 1, direction, omega) for kind in (of_sector, of_ring))
+    trial, motion = solved(own, omega)
+    outputs = np.random.default_rng(0).standard_normal((3, 2 * motion.shape[1]))
+    answer = own.vibration_of(outputs)(own.with_harmonics(HARMONICS), trial.amplitude[None])[0]
+    expected = solved(whole, omega)[1][1:, : outputs.shape[1]] @ outputs.T
+    np.testing.assert_allclose(answer, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
+
+
 def test_modal_damping_of_a_sector_is_that_of_the_ring() -> None:
     disk, omega = SmallDisk.of(6, damped=False), 2.0 * np.pi * 84.0
     own, whole = (kind(disk, 2, "forward", omega, 0.01) for kind in (of_sector, of_ring))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.core.errors import ImportFileError
+from stickslip.core.errors import ImportFileError, InputError
 from stickslip.core.files import whole_file
 from stickslip.formats.matrices.model import OTHER, MatrixModel
 from stickslip.formats.matrices.source import errors_naming, numpy_arrays
@@ -25,9 +25,17 @@ def write_superelement(path: str | PathLike[str], superelement: Superelement) ->
 
     ``path`` is the file, or a folder for ``superelement.npz``. The recovery is not stored: it belongs to the program
     that has the full model. Raises ImportFileError where the file cannot be written, and InputError for a superelement
-    with a gyroscopic matrix, which the format does not contain.
+    with a gyroscopic matrix or with relative displacements of contact pairs as unknowns, which the format does not
+    contain.
     """
     require_no_gyroscopic(superelement, "the exchange format")
+    if superelement.joint_rows is not None:
+        raise InputError(
+            f"superelement contains the relative displacements of {superelement.joint_unknowns.size // 3} contact "
+            "pairs as unknowns, which the exchange format does not contain. Reduce to all nodes of the pairs with "
+            "craig_bampton.",
+            arguments=["superelement"],
+        )
     target = Path(path)
     if target.is_dir():
         target = target / FILE_NAME
