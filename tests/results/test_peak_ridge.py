@@ -145,7 +145,31 @@ def test_the_minimum_with_slip_is_not_the_stuck_one() -> None:
 
 
 def test_a_point_without_an_estimate_has_the_larger_one_of_its_neighbours() -> None:
-    assert spread([None, 0.1, None, 0.3, None, 0.2, 0.0, None]).tolist() == [0.1, 0.1, 0.3, 0.3, 0.3, 0.2, 0.0, 0.0]
+    errors = [None, 0.1, None, 0.3, None, 0.2, 0.0, None]
+    found = spread([(3, {} if error is None else {3: error}) for error in errors])
+    assert found.tolist() == [0.1, 0.1, 0.3, 0.3, 0.3, 0.2, 0.0, 0.0]
+
+
+def test_a_point_with_fewer_harmonics_than_its_neighbour_has_the_error_of_fewer() -> None:
+    better = {3: 0.04, 5: 0.002}
+    assert spread([(3, {3: 0.01}), (3, {}), (5, better), (5, {}), (3, {})]).tolist() == [0.01, 0.04, 0.002, 0.002, 0.04]
+
+
+def test_the_error_between_points_contains_the_interpolation() -> None:
+    """A dip between two points of a smooth curve, whose points are exact."""
+
+    def exact(load: FloatArray) -> FloatArray:
+        return valley(load) * (1.0 - 0.4 * np.exp(-((np.log(load / 30.0) / 0.25) ** 2)))
+
+    ridge = ridge_of((LOADS, exact(LOADS)), estimated_error=np.full(15, 0.002), point_harmonics=np.full(15, 3))
+    assert ridge.error_at(LOADS) == pytest.approx(0.002)
+    between = np.geomspace(1.0, 100.0, 400)
+    error = np.abs(ridge.at(between).amplitude / exact(between) - 1.0)
+    estimate = ridge.error_at(between)
+    assert error.max() > 0.02
+    assert np.all(estimate > 0.5 * error)
+    assert np.isnan(ridge.error_at(200.0)).all()
+    printed_sentence("\n".join(ridge.words()), "line between the computed peaks")
 
 
 def test_one_point_is_a_ridge() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,8 @@ DOUBTFUL_PEAKS, CHECKED_MINIMUM = "computed peaks, error above 1 %", "minimum wi
 DOUBTFUL = (
     0.01  # chosen: ten times the demand on a ridge; pictures show points of a larger estimated error as open ones
 )
+
+LARGEST_PAUSE = 8  # chosen: positions of a grid; the error is zero at each point, and eight positions are an interval
 
 
 class CheckedPeak(NamedTuple):
@@ -57,12 +59,35 @@ def doubtful_words(parameter: FloatArray, error: FloatArray | None, named: Calla
     )
 
 
-def spread(errors: list[float | None]) -> FloatArray:
-    """(n,) errors of the points of a ridge, of which some are known: others have the larger one of the nearest known
-    ones on both sides."""
-    known = [place for place, error in enumerate(errors) if error is not None]
-    values = np.array([errors[place] for place in known], dtype=float)
-    last = np.searchsorted(known, np.arange(len(errors)), side="right") - 1
-    after = np.searchsorted(known, np.arange(len(errors)))
-    most = len(known) - 1
-    return np.asarray(np.maximum(values[np.clip(last, 0, most)], values[np.clip(after, 0, most)]))
+def uncertain_line_words(parameter: FloatArray, error: FloatArray, named: Callable[[float], str]) -> Iterator[str]:
+    """A sentence on the ranges in which the line between the computed peaks has an estimated error above ``DOUBTFUL``.
+
+    ``parameter`` (n,) are rising values, ``error`` (n,) the estimated ones there, NaN where no peak is known.
+    """
+    places = np.flatnonzero(error > DOUBTFUL)
+    if not places.size:
+        return
+    ranges = [
+        f"from {named(float(parameter[each[0]]))} to {named(float(parameter[each[-1]]))} "
+        f"(up to {100.0 * float(error[each].max()):.2g} %)"
+        for each in np.split(places, np.flatnonzero(np.diff(places) > LARGEST_PAUSE) + 1)
+    ]
+    yield (
+        f"The line between the computed peaks has an estimated error above {100.0 * DOUBTFUL:g} % {', '.join(ranges)}."
+    )
+
+
+def spread(estimates: Sequence[tuple[int, Mapping[int, float]]]) -> FloatArray:
+    """(n,) errors of the points of a ridge: the number of harmonics of each, and its estimates by that number.
+
+    A point without estimates has the larger one of the nearest ones on both sides, each with as many harmonics as the
+    point where there is such an estimate, and the largest one with other harmonics.
+    """
+    known = [place for place, (_, own) in enumerate(estimates) if own]
+    last = np.clip(np.searchsorted(known, np.arange(len(estimates)), side="right") - 1, 0, len(known) - 1)
+    after = np.clip(np.searchsorted(known, np.arange(len(estimates))), 0, len(known) - 1)
+    errors = np.zeros(len(estimates))
+    for place, (harmonics, _) in enumerate(estimates):
+        near = (estimates[known[int(side[place])]][1] for side in (last, after))
+        errors[place] = max(each.get(harmonics, max(each.values())) for each in near)
+    return errors

@@ -10,6 +10,10 @@ from scipy.interpolate import CubicHermiteSpline
 
 from stickslip.core.validation import FloatArray
 
+# A point left out has an interval of twice the length, whose interpolation has at least so many times the error (at a
+# corner of the ridge; eight times where it is smooth).
+ERROR_OF_LEFT_OUT = 2.0
+
 
 @dataclass(frozen=True)
 class HighestPeak:
@@ -55,3 +59,32 @@ def log_interpolated(places: FloatArray, curve: FloatArray, at: FloatArray) -> F
         return np.full(at.size, curve[0])
     slopes = np.gradient(curve, places, edge_order=2 if places.size > 2 else 1)
     return np.asarray(CubicHermiteSpline(places, curve, slopes)(at))
+
+
+def left_out_errors(places: FloatArray, curve: FloatArray) -> FloatArray:
+    """(n,) distance of each point from the interpolation through all others (:func:`log_interpolated`), 0 at ends."""
+    errors = np.zeros(places.size)
+    for i in range(1, places.size - 1):
+        others = np.arange(places.size) != i
+        errors[i] = abs(log_interpolated(places[others], curve[others], places[i : i + 1])[0] - curve[i])
+    return errors
+
+
+def interpolation_errors(places: FloatArray, curve: FloatArray, at: FloatArray) -> FloatArray:
+    """Estimated errors of :func:`log_interpolated` at places between the first and the last point (n,): from the points
+    left out on both sides, 0 at a point. Between two points alone it is their difference."""
+    if places.size == 1:
+        return np.zeros(at.size)
+    left_out = left_out_errors(places, curve) / ERROR_OF_LEFT_OUT
+    errors = np.maximum(left_out[:-1], left_out[1:]) if places.size > 2 else np.abs(np.diff(curve))
+    left = np.clip(np.searchsorted(places, at, side="right") - 1, 0, places.size - 2)
+    fraction = np.clip((at - places[left]) / (places[left + 1] - places[left]), 0.0, 1.0)
+    return np.asarray(4.0 * fraction * (1.0 - fraction) * errors[left])
+
+
+def larger_neighbour(places: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
+    """The larger one of the values of the points on both sides; at a point its own value."""
+    tolerance = 1e-12
+    left = np.clip(np.searchsorted(places, at + tolerance, side="right") - 1, 0, places.size - 1)
+    right = np.clip(np.searchsorted(places, at - tolerance), 0, places.size - 1)
+    return np.asarray(np.maximum(values[left], values[right]))

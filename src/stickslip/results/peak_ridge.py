@@ -13,7 +13,8 @@ from scipy.signal import find_peaks
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, require_positive
-from stickslip.results.checked_peak import CheckedPeak, doubtful_words, is_doubtful
+from stickslip.results import highest_peak
+from stickslip.results.checked_peak import CheckedPeak, doubtful_words, is_doubtful, uncertain_line_words
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.highest_peak import HighestPeak, Optimum, log_interpolated, optimum_at
 from stickslip.results.ridge_figure import RidgePicture, ridge_figure
@@ -71,6 +72,8 @@ class PeakRidge(Labelled):
     estimated_error:
         (n_points,) relative error of the amplitude by neglected harmonics; where a point has no estimate of its own,
         the larger one of its neighbours on the ridge. None if nothing was estimated.
+    point_harmonics:
+        (n_points,) numbers of harmonics. None in files of versions before 1.1.
     checked:
         the highest peaks at some values of the parameter by whole curves with more harmonics.
     unknown:
@@ -137,6 +140,9 @@ class PeakRidge(Labelled):
 
     estimated_error: FloatArray | None = field(
         default=None, metadata=stored(Numbers(_POINTS, "1", "estimated error by neglected harmonics", optional=True))
+    )
+    point_harmonics: NDArray[np.int64] | None = field(
+        default=None, metadata=stored(WholeNumbers(_POINTS, "1", "number of harmonics", optional=True))
     )
     checked: tuple[CheckedPeak, ...] = field(
         default=(),
@@ -222,6 +228,32 @@ class PeakRidge(Labelled):
             value[inside] = np.exp(log_interpolated(places, np.log(curve), np.log(values[inside])))
             answer.append(value)
         return answer[0], answer[1]
+
+    def error_at(self, parameter: ArrayLike) -> FloatArray:
+        """Estimated relative error of :meth:`at` at values of the parameter (n,), NaN where no ridge is known.
+
+        It contains the neglected harmonics, if they were estimated, and the interpolation. Raises InputError for a
+        value that is not above zero.
+        """
+        number = self.at(parameter).ridge
+        of_harmonics = np.zeros(self.n_points) if self.estimated_error is None else self.estimated_error
+        places = np.log(np.atleast_1d(np.asarray(parameter, dtype=float)))
+        error = self._interpolation_error(places, number)
+        for ridge in np.unique(number[number >= 0]):
+            here, points = number == ridge, self.of(int(ridge))
+            error[here] += highest_peak.larger_neighbour(
+                np.log(self.parameter[points]), of_harmonics[points], places[here]
+            )
+        return error
+
+    def _interpolation_error(self, places: FloatArray, number: NDArray[np.int64]) -> FloatArray:
+        """Estimated errors of the interpolation at logarithms of the parameter, on ridges by number."""
+        error = np.full(places.size, np.nan)
+        for ridge in np.unique(number[number >= 0]):
+            here, points = number == ridge, self.of(int(ridge))
+            curve = np.log(self.amplitude[points])
+            error[here] = highest_peak.interpolation_errors(np.log(self.parameter[points]), curve, places[here])
+        return error
 
     @property
     def grid(self) -> FloatArray:
@@ -355,6 +387,9 @@ class PeakRidge(Labelled):
         for check in self.checked:
             yield check.words(named(check.parameter), float(self.at(check.parameter).amplitude[0]))
         yield from doubtful_words(self.parameter, self.estimated_error, named)
+        top = self.highest()
+        error = self._interpolation_error(np.log(top.parameter), top.ridge)
+        yield from uncertain_line_words(top.parameter, error, named)
 
     def _place(self, at: Optimum) -> str:
         return f"{1e6 * at.amplitude:.4g} µm at {at.frequency_hz:.2f} Hz, with {self._named(at.parameter)}"

@@ -24,7 +24,7 @@ from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.ridges.ridge_check import checked_peak
 from stickslip.solve.ridges.ridge_map import LEAST_FRACTION, RidgeMap
-from stickslip.solve.ridges.ridge_stage import RidgeStage, Work
+from stickslip.solve.ridges.ridge_stage import Work, more_than
 from stickslip.solve.ridges.ridge_walk import Pace
 from stickslip.solve.setting_up import StageReport
 from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
@@ -41,7 +41,17 @@ WIDER = 1.2
 # chosen: the lowest possible force is determined to this factor.
 LOWEST_FORCE_TO = 1.05
 # A picture: coarser steps than those of a ridge, and it ends where a bouncing damper would need tiny ones.
-PACE = Pace(first_step=0.05, smallest_step=0.004, largest_step=0.8, wanted_error=0.04, estimate_every=0.3)
+PACE = Pace(
+    first_step=0.05,
+    smallest_step=0.004,
+    largest_step=0.8,
+    wanted_error=0.04,
+    estimate_every=0.3,
+    interpolation_error=2e-3,
+)
+# chosen: most harmonics of a point. With 7, points in gross slip are not better (they require 11), and a ridge that
+# falls into parts there costs as much as all others.
+MOST_HARMONICS = 5
 # chosen: relative error of the balance. That of the amplitude is below 1e-5, and it takes a third less iterations than
 # the tolerance of [solver]; with 1e-5 more searches fail than that saves.
 TOLERANCE = 1e-6
@@ -114,7 +124,13 @@ def performance_curve(
     modes = stages(force, None).modes_between(window)
     one_curve = float(response.iterations.sum() + response.n_points)
     work = Work((MOST_CURVES - REFINING) * one_curve)
-    ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work, modes, AROUND)
+    accuracy = case.solver.accuracy
+    pace = replace(
+        PACE,
+        accuracy=min(accuracy or DOUBTFUL, DOUBTFUL),
+        most_harmonics=options.harmonics if accuracy is None else max(MOST_HARMONICS, options.harmonics),
+    )
+    ridges = RidgeMap(stages, bounds, report, pace, lambda value: f"{value:.4g} N", work, modes, AROUND)
     _follow_response(ridges, found, force, response, options.harmonics)
     ridges.verified.add(force)  # by the curve of the study
     ridges.add_stuck(bounds[1])
@@ -123,7 +139,7 @@ def performance_curve(
     work.most = work.done + REFINING * one_curve
     ridges.refine()
     curve = ridges.result(KEY, "N", next(iter(model.outputs)))
-    curve = _with_check(curve, ridges, stages, case.solver.accuracy or DOUBTFUL).over(excitation, NAME, "")
+    curve = _with_check(curve, ridges, stages, pace.accuracy).over(excitation, NAME, "")
     settings = {
         **curve.settings,
         "harmonics": options.harmonics,
@@ -148,14 +164,9 @@ def _with_check(curve: PeakRidge, ridges: RidgeMap, stages: CaseStages, accuracy
         return curve
     value = minimum.parameter
     stages.report.stage(f"check at {value:.4g} N")
-    known: list[RidgeStage] = []
-
-    def stage_of(harmonics: int) -> RidgeStage:
-        options = replace(stages.options, harmonics=harmonics)
-        known.append(replace(stages, options=options)(value, known[-1] if known else None))
-        return known[-1]
-
-    found = checked_peak(stage_of, value, stages.options.harmonics, accuracy, ridges.curve_window(value))
+    harmonics = ridges.harmonics_near(value, more_than(stages.options.harmonics))
+    stage = stages(value, None).with_harmonics(harmonics)
+    found = checked_peak(stage, value, accuracy, ridges.curve_window(value))
     if isinstance(found, str):
         why = f"The minimum at {value:.4g} N was not checked with more harmonics: {found}"
         return replace(curve, warnings=(*curve.warnings, why))

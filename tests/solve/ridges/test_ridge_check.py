@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 
 import stickslip as ss
@@ -19,14 +17,18 @@ BLADE = Blade()
 SAMPLES = 256
 
 
-def stages(window: tuple[float, float] = BLADE.window_hz) -> Callable[[int], RidgeStage]:
+def stage_of(harmonics: int, window: tuple[float, float] = BLADE.window_hz) -> RidgeStage:
     problem = BLADE.superelement, BLADE.pairs, ss.Excitation.force(BLADE.force_cos, BLADE.force_sin)
+    options = RidgeOptions(window, harmonics=harmonics, samples=SAMPLES)
+    return RidgeStage.of(problem, BLADE.tip, options, None, StageReport(None))
 
-    def stage_of(harmonics: int) -> RidgeStage:
-        options = RidgeOptions(window, harmonics=harmonics, samples=SAMPLES)
-        return RidgeStage.of(problem, BLADE.tip, options, None, StageReport(None))
 
-    return stage_of
+def peak_of(stage: RidgeStage) -> CurvePeak:
+    points = [each.point for each in stage.whole_curve().points]
+    top = max(points, key=lambda point: stage.search.amplitude(point.trial))
+    peak = stage.search.from_point(top)
+    assert isinstance(peak, CurvePeak)
+    return peak
 
 
 def highest(harmonics: int) -> float:
@@ -40,7 +42,7 @@ def highest(harmonics: int) -> float:
 
 @pytest.mark.slow
 def test_a_check_has_the_peak_of_a_fine_curve_with_many_harmonics() -> None:
-    found = checked_peak(stages(), 1.0, 1, 1e-3, BLADE.window_hz)
+    found = checked_peak(stage_of(3), 1.0, 1e-3, BLADE.window_hz)
     assert isinstance(found, CheckedPeak)
     assert 3 <= found.harmonics <= MOST_HARMONICS
     many = highest(13)
@@ -51,17 +53,20 @@ def test_a_check_has_the_peak_of_a_fine_curve_with_many_harmonics() -> None:
 
 @pytest.mark.slow
 def test_the_estimated_error_of_a_peak_is_near_the_true_one() -> None:
-    stage = stages()(1)
-    points = [each.point for each in stage.whole_curve().points]
-    top = max(points, key=lambda point: stage.search.amplitude(point.trial))
-    peak = stage.search.from_point(top)
-    assert isinstance(peak, CurvePeak)
-    error = abs(peak.amplitude / highest(13) - 1.0)
+    stage = stage_of(1)
+    peak, many = peak_of(stage), highest(13)
+    error = abs(peak.amplitude / many - 1.0)
     assert 0.5 * error < stage.estimated_error(peak) < 10.0 * error
+    # More harmonics until the accuracy is reached, with the errors on the way.
+    fine, errors = stage.refined(peak, 2e-3, 9)
+    assert fine.harmonics == max(errors) > 1
+    assert errors[fine.harmonics] < 2e-3 < errors[1]
+    assert fine.amplitude == pytest.approx(many, rel=errors[fine.harmonics] + 1e-3)
+    assert stage.refined(peak, 2e-3, 1)[0] is peak
 
 
 def test_a_check_without_a_peak_inside_gives_a_reason() -> None:
     low = BLADE.window_hz[0], BLADE.window_hz[0] + 0.05 * (BLADE.window_hz[1] - BLADE.window_hz[0])
-    found = checked_peak(stages(), 1.0, 1, 1e-3, low)
+    found = checked_peak(stage_of(3), 1.0, 1e-3, low)
     assert isinstance(found, str)
     printed_sentence(found)

@@ -92,6 +92,11 @@ class CurvePeak:
     is_corner: bool
     iterations: int
 
+    @property
+    def harmonics(self) -> int:
+        """The number of harmonics."""
+        return len(self.probe.point.trial.amplitude) // 2
+
 
 class BoundedCurve(FrequencyCurve):
     """A frequency curve on which iterations that leave a ``window`` (rad/s, rising) by far stop, before they reach

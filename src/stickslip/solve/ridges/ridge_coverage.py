@@ -9,9 +9,11 @@ from collections.abc import Callable, Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.results.highest_peak import log_interpolated
 from stickslip.results.peak_ridge import PeakRidge
+from stickslip.solve.harmonic.balance import relative_norm
 from stickslip.solve.ridges.ridge_walk import RidgePoint
 
 # chosen: the minimum is enclosed below where the highest peak has risen to this multiple of it; the dips of friction
@@ -23,6 +25,11 @@ GAP = 1.03
 # chosen: a point is on another ridge if its frequency and its amplitude agree so far with those interpolated there,
 # which are up to 1 % off in amplitude.
 JOINED_FREQUENCY, JOINED_AMPLITUDE = 1e-4, 1e-2
+
+# chosen: two peaks at one value of the parameter are one if their amplitudes agree so far, and their motions (mass
+# norm): a peak has an error of 1e-4 at most, and its motion turns by a few hundredths of a radian over this rise. With
+# another number of harmonics the amplitude may be farther off.
+SAME_AMPLITUDE, SAME_MOTION, OTHER_HARMONICS = 1e-3, 0.1, 0.03
 
 Interval = tuple[float, float]
 
@@ -58,6 +65,24 @@ def is_enclosed_below(parameter: FloatArray, highest: FloatArray, is_stuck: NDAr
     moving = ~is_stuck if not is_stuck.all() else np.ones_like(is_stuck)
     best = np.flatnonzero(moving)[int(np.argmin(highest[moving]))]
     return bool(highest[parameter <= parameter[best]].max() >= ENCLOSED * highest[best])
+
+
+def falls_to(ridges: Sequence[Sequence[RidgePoint]], start: float) -> bool:
+    """Whether the highest of the ridges, given by their points, falls to its first point, at ``start``."""
+    first = [points[:2] for points in ridges if points[0].parameter == start]
+    highest = max(first, key=lambda points: points[0].peak.amplitude, default=[])
+    return len(highest) > 1 and highest[0].peak.amplitude < highest[1].peak.amplitude
+
+
+def is_same(point: RidgePoint, other: RidgePoint) -> bool:
+    """Whether two peaks at one value of the parameter are one."""
+    rows = 2 * max(point.harmonics, other.harmonics)
+    motions = [with_rows(each.trial.amplitude, rows) for each in (point, other)]
+    tolerance = SAME_AMPLITUDE if point.harmonics == other.harmonics else OTHER_HARMONICS
+    return (
+        abs(math.log(point.peak.amplitude / other.peak.amplitude)) < tolerance
+        and relative_norm(motions[0] - motions[1], motions[1]) < SAME_MOTION
+    )
 
 
 def passes_through(points: Sequence[RidgePoint], point: RidgePoint) -> bool:

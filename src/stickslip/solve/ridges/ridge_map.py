@@ -13,13 +13,12 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.core.validation import FloatArray
 from stickslip.results.checked_peak import spread
-from stickslip.results.highest_peak import log_interpolated
+from stickslip.results.highest_peak import ERROR_OF_LEFT_OUT, left_out_errors, log_interpolated
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
-from stickslip.solve.harmonic.balance import relative_norm
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.path.problem import Plane
-from stickslip.solve.ridges.ridge_coverage import coverage, is_enclosed_below, middle_of_gap, passes_through
+from stickslip.solve.ridges import ridge_coverage as cover
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import StageReport
@@ -27,14 +26,6 @@ from stickslip.solve.setting_up import StageReport
 # chosen: a peak is followed as long as it has at least this fraction of the highest one: others rarely rise above it
 # within the range, and the curve at its other end shows those that do.
 LEAST_FRACTION = 0.5
-# chosen: two peaks at one value of the parameter are one if their amplitudes agree so far, and their motions (mass
-# norm): a peak has an error of 1e-4 at most, and its motion turns by a few hundredths of a radian over this rise.
-SAME_AMPLITUDE, SAME_MOTION = 1e-3, 0.1
-# chosen: largest estimated error of the interpolated highest peak; the demand is 0.1 %.
-INTERPOLATION_ERROR = 5e-4
-# A point left out has an interval of twice the length, whose interpolation has at least so many times the error (at a
-# corner of the ridge; eight times where it is smooth).
-ERROR_OF_LEFT_OUT = 2.0
 # chosen: an amplitude of a curve that is higher than all ridges by this fraction belongs to none of them; curves are
 # 0.1 % above their ridges at most.
 ABOVE_RIDGES = 0.01
@@ -104,6 +95,8 @@ class RidgeMap:
         stage = self._stage_at(value)
         if (free := stage.free_peaks[0]).bracketed:
             self._free[value] = free
+        # A ridge whose points have different numbers of harmonics has false jumps where their errors are large.
+        stage = stage.with_harmonics(self.harmonics_near(value, stage.harmonics))
         try:
             branch = stage.whole_curve(self.curve_window(value))
         except ConvergenceError as error:
@@ -122,7 +115,7 @@ class RidgeMap:
 
     def add_peaks(self, value: float, points: Sequence[BalancePoint]) -> None:
         """Follow the peaks of a curve, given by its points, that are on no ridge yet."""
-        stage = self._stage_at(value)
+        stage = self._stage_at(value).with_harmonics(len(points[0].unknowns) // 2)
         hertz = np.array([point.trial.omega for point in points]) / (2.0 * math.pi)
         heights = stage.amplitude(points)
         found = peaks(hertz, heights)
@@ -147,7 +140,7 @@ class RidgeMap:
 
     def add_from(self, value: float, unknowns: FloatArray, omega: float) -> None:
         """Follow the peak near a solution in both directions; a warning where there is none."""
-        stage = self._stage_at(value)
+        stage = self._stage_at(value).with_harmonics(len(unknowns) // 2)
         point = stage.curve.at(unknowns, omega)
         correction = stage.solver.correct(point, Plane.fixed(unknowns, omega))
         peak = (
@@ -163,7 +156,7 @@ class RidgeMap:
         start = RidgePoint.start(value, peak, stage)
         if self._is_known(start):
             return
-        start = self._pace.estimated(start, stage)
+        start = self._pace.resolved(start, stage)
         parts, ends = [], []
         for stop in self._bounds:
             part, end = follow(self._searched, start, stop, self._pace, self._needless, self._is_low)
@@ -186,12 +179,15 @@ class RidgeMap:
     def _is_known(self, start: RidgePoint) -> bool:
         """Whether a ridge has this point."""
         return any(
-            each.parameter == start.parameter
-            and abs(math.log(each.peak.amplitude / start.peak.amplitude)) < SAME_AMPLITUDE
-            and relative_norm(each.trial.amplitude - start.trial.amplitude, start.trial.amplitude) < SAME_MOTION
+            each.parameter == start.parameter and cover.is_same(each, start)
             for ridge in self.ridges
             for each in ridge.points
         )
+
+    def harmonics_near(self, value: float, least: int) -> int:
+        """The most harmonics of the points of ridges nearest to a value, at ``least`` so many."""
+        near = (min(each.points, key=lambda p: abs(math.log(p.parameter / value))) for each in self.ridges)
+        return max((each.harmonics for each in near), default=least)
 
     def refine(self) -> None:
         """Add points where the interpolation of the highest ridge is least accurate, until it is accurate enough."""
@@ -202,26 +198,23 @@ class RidgeMap:
             if not worth:
                 return
             _, ridge, value, place = max(worth, key=lambda each: each[0])
-            low, high = ridge.points[place : place + 2]
+            near = sorted(ridge.points[place : place + 2], key=lambda each: each.harmonics)
             search = self._searched(value)
-            found = search if isinstance(search, str) else self._pace.next_point(search, [low, high], value)[0]
+            found = search if isinstance(search, str) else self._pace.next_point(search, near, value)[0]
             if isinstance(found, str):
                 given_up.add(value)
             else:
-                ridge.points.insert(place + 1, found)
+                assert not isinstance(search, str)  # it has a point
+                ridge.points.insert(place + 1, self._pace.resolved(found, search, near))
 
     def _inaccurate(self, ridge: _Ridge) -> Iterator[tuple[float, _Ridge, float, int]]:
-        """Errors of the interpolation, with the middle and the number of the longer interval beside each of them.
-
-        The error at a point is the distance from the interpolation through all others.
-        """
+        """Errors of points left out, with the middle and the number of the longer interval beside each of them."""
         points = ridge.points
         places = np.log([each.parameter for each in points])
-        heights = np.log([each.peak.amplitude for each in points])
-        for i in range(1, len(points) - 1):
-            others = np.arange(len(points)) != i
-            error = abs(float(log_interpolated(places[others], heights[others], places[i : i + 1])[0] - heights[i]))
-            if error <= ERROR_OF_LEFT_OUT * INTERPOLATION_ERROR or self._fraction_of_highest(points[i]) < NEAR_HIGHEST:
+        errors = left_out_errors(places, np.log([each.peak.amplitude for each in points]))
+        for i in np.flatnonzero(errors > ERROR_OF_LEFT_OUT * self._pace.interpolation_error).tolist():
+            error = float(errors[i])
+            if self._fraction_of_highest(points[i]) < NEAR_HIGHEST:
                 continue
             longer = i if places[i + 1] - places[i] > places[i] - places[i - 1] else i - 1
             if places[longer + 1] - places[longer] > 2.0 * self._pace.smallest_step:
@@ -234,7 +227,10 @@ class RidgeMap:
             ends = ridge.points[0], ridge.points[-1]
             for reason, point, bound in zip(ridge.ends, ends, self._bounds, strict=True):
                 # Where the work ended, the ridge itself may go on, and nothing hides it.
-                if reason in ("", TOO_MUCH_WORK, JOINED) or self._fraction_of_highest(point) < 1.0 - SAME_AMPLITUDE:
+                if (
+                    reason in ("", TOO_MUCH_WORK, JOINED)
+                    or self._fraction_of_highest(point) < 1.0 - cover.SAME_AMPLITUDE
+                ):
                     continue
                 step = math.copysign(2.0 * self._pace.smallest_step, bound - point.parameter)
                 beyond = point.parameter * math.exp(step)
@@ -248,14 +244,17 @@ class RidgeMap:
     def enclose_minimum(self, lowest: float) -> None:
         """Compute whole curves at the lower end and in gaps of the followed range, and follow their peaks.
 
-        The lower end moves down, at most to ``lowest``, until the highest peak has risen well above its minimum.
+        The lower end moves down, at most to ``lowest``, until the highest peak has risen well above its minimum. If the
+        highest ridge falls to the first lower end, that is not the case there, so the first curve is farther down.
         """
         tried: set[float] = set()
+        if self._bounds[0] > lowest and cover.falls_to([ridge.points for ridge in self.ridges], self._bounds[0]):
+            self._lower(max(lowest, self._bounds[0] / LOWER_BY))
         while self.ridges and not self.work.is_used_up:
             followed = [(ridge.points[0].parameter, ridge.points[-1].parameter) for ridge in self.ridges]
             value: float | None = self._bounds[0]
             if value in tried:
-                value = middle_of_gap(followed, tried)
+                value = cover.middle_of_gap(followed, tried)
             if value is None:
                 if self._bounds[0] <= lowest or self._is_enclosed():
                     return
@@ -280,7 +279,7 @@ class RidgeMap:
         points = [each for ridge in self.ridges for each in ridge.points]
         parameter = np.array([each.parameter for each in points])
         stuck = np.array([each.is_stuck for each in points])
-        return is_enclosed_below(parameter, np.array([self._highest_at(each) for each in parameter]), stuck)
+        return cover.is_enclosed_below(parameter, np.array([self._highest_at(each) for each in parameter]), stuck)
 
     def _is_highest_known(self, value: float) -> bool:
         """Whether a whole curve at a value has no larger amplitude than the ridges there."""
@@ -294,7 +293,7 @@ class RidgeMap:
 
     def _needless(self, point: RidgePoint) -> str:
         """Why a ridge need not be followed beyond a point, or "" """
-        if any(passes_through(ridge.points, point) for ridge in self.ridges):
+        if any(cover.passes_through(ridge.points, point) for ridge in self.ridges):
             return JOINED
         if self._fraction_of_highest(point) >= LEAST_FRACTION:
             return ""
@@ -352,6 +351,7 @@ class RidgeMap:
             start=np.asarray(start),
             stop=np.asarray(stop),
             estimated_error=self._errors(),
+            point_harmonics=np.array([each.harmonics for each in points]),
             unknown=np.array(self._unknown).reshape(-1, 2),
             ends=tuple(each.ends for each in self.ridges),
             converged=False,
@@ -360,7 +360,7 @@ class RidgeMap:
             settings={},
             provenance={},
         )
-        converged, message = coverage(ridge, self._reasons(), self._named)
+        converged, message = cover.coverage(ridge, self._reasons(), self._named)
         work: dict[str, str | float | int] = {
             "points_of_searches": self.work.points,
             "points_of_whole_curves": self.points_of_curves,
@@ -374,9 +374,9 @@ class RidgeMap:
 
     def _errors(self) -> FloatArray | None:
         """(n_points,) estimated errors of all points, None if none was estimated."""
-        if math.isinf(self._pace.estimate_every):
+        if self._pace.has_fixed_harmonics:
             return None
-        return np.concatenate([spread([each.error for each in ridge.points]) for ridge in self.ridges])
+        return np.concatenate([spread([(p.harmonics, p.estimates) for p in ridge.points]) for ridge in self.ridges])
 
     def curve_window(self, value: float) -> tuple[float, float]:
         """The range of frequencies, Hz, of a whole curve: that of all linear peaks and of the ridges there, and the

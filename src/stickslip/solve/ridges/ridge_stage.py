@@ -4,25 +4,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import Peak
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.balance import Trial
+from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.neglected import more_harmonics, neglected
 from stickslip.solve.harmonic.peak import BoundedCurve, CurvePeak, PeakSearch
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.harmonic.varying_harmonics import LADDER
 from stickslip.solve.path.arc_length import Tangent
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Step
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement, require_no_gyroscopic
@@ -30,6 +34,9 @@ from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 # Measured on the two blades (700 unknowns n, 330 rows m of pairs): the modes of a structure, which take a time of n^3,
 # last as long as 10 iterations of Newton's method, which take n m.
 PREPARATION = 10.0 * 330.0 / 700.0**2
+# chosen: a peak with more harmonics may be this far off, relative, or so many times its estimated error; else it is
+# another peak.
+SAME_PEAK, SAME_PEAK_ERRORS = 0.05, 1.5
 Problem = tuple[Superelement, ContactPairs, Excitation]
 
 
@@ -64,14 +71,19 @@ class StuckMode:
 
 @dataclass(frozen=True)
 class RidgeStage:
-    """The equations at one value of the parameter."""
+    """The equations at one value of the parameter, with the number of harmonics of its ``options``.
+
+    ``last`` is the factor that searches at other values share; ``work`` counts iterations, which ``listen`` hears.
+    """
 
     balances: Balances
     output: FloatArray
-    solver: Newton[BalancePoint]
-    search: PeakSearch
-    window: tuple[float, float]  # Hz, rising
+    options: RidgeOptions
+    last: LastFactor
+    listen: Callable[[int, float], None]
+    work: Work
     _stuck_peaks: dict[int, Peak | None] = field(default_factory=dict)
+    _others: dict[int, RidgeStage] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -85,39 +97,69 @@ class RidgeStage:
     ) -> RidgeStage:
         """The equations of a structure, joint and excitation, with the modes of an ``earlier`` stage where they are the
         same. Raises InputError."""
-        window = min(options.frequency_hz), max(options.frequency_hz)
         balances = prepare_balances(
-            *problem, 2.0 * math.pi * window[1], options.harmonics, options.samples, modal_damping_ratio,
-            options.update, lambda words: None, None if earlier is None else earlier.balances.stuck,
+            *problem, 2.0 * math.pi * max(options.frequency_hz), options.harmonics, options.samples,
+            modal_damping_ratio, options.update, lambda words: None,
+            None if earlier is None else earlier.balances.stuck,
         )  # fmt: skip
         require_no_gyroscopic(balances.superelement, "a ridge of peaks")
-        last = LastFactor() if earlier is None else earlier.search.last_factor
-        limits = 2.0 * math.pi * window[0], 2.0 * math.pi * window[1]
-        curve = BoundedCurve(balances.with_harmonics(options.harmonics), last, limits)
-        solver = Newton(curve, options.newton, report.iteration)
-        search = PeakSearch(curve, solver, output, lambda trial: balances.mean_row(trial, output), last)
-        return cls(balances, output, solver, search, window)
+        last = LastFactor() if earlier is None else earlier.last
+        return cls(balances, output, options, last, report.iteration, Work())
 
     def counted(self, work: Work) -> RidgeStage:
         """The same equations, whose work is counted."""
-        listen = self.solver.on_iteration
+        return replace(self, work=work, _others={})
+
+    @property
+    def harmonics(self) -> int:
+        """The number of harmonics."""
+        return self.options.harmonics
+
+    def with_harmonics(self, harmonics: int) -> RidgeStage:
+        """The same equations with another number of harmonics."""
+        if harmonics == self.harmonics:
+            return self
+        if harmonics not in self._others:
+            self._others[harmonics] = replace(self, options=replace(self.options, harmonics=harmonics), _others={})
+        return self._others[harmonics]
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Hz, rising."""
+        return min(self.options.frequency_hz), max(self.options.frequency_hz)
+
+    @cached_property
+    def curve(self) -> BoundedCurve:
+        """The frequency curve."""
+        low, high = self.window
+        limits = 2.0 * math.pi * low, 2.0 * math.pi * high
+        return BoundedCurve(self.balances.with_harmonics(self.harmonics), self.last, limits)
+
+    @cached_property
+    def solver(self) -> Newton[BalancePoint]:
+        """Newton's method for the frequency curve."""
 
         def count(number: int, error: float) -> None:
-            work.iterate(number, error)
-            listen(number, error)
+            self.work.iterate()
+            self.listen(number, error)
 
-        self.solver.on_iteration, self.search.on_point = count, work.see_point
-        return self
+        return Newton(self.curve, self.options.newton, count)
+
+    @cached_property
+    def search(self) -> PeakSearch:
+        """The search of peaks of the output."""
+
+        def mean_row(trial: Trial) -> FloatArray:
+            return self.balances.mean_row(trial, self.output)
+
+        search = PeakSearch(self.curve, self.solver, self.output, mean_row, self.last)
+        search.on_point = self.work.see_point
+        return search
 
     @property
     def stuck_omega(self) -> FloatArray:
         """(n,) rad/s, frequencies of the stuck modes."""
         return self.balances.stuck.circular_frequency
-
-    @property
-    def curve(self) -> FrequencyCurve:
-        """The frequency curve."""
-        return self.search.curve
 
     def stuck_peaks(self, modes: frozenset[int] | None = None) -> list[Peak]:
         """The linear peaks with stuck contacts, highest first; those closest to some ``modes`` (from 0), None for all.
@@ -179,7 +221,24 @@ class RidgeStage:
         more = more_harmonics(balance.harmonics, balance.samples, self.balances.damped_harmonics)
         along = Tangent(step.unknowns, self.curve.measured_change(point, step), step.parameters)
         fine = self.balances.with_harmonics(more)
-        return neglected(point.trial, balance, fine, along, self.search.last_factor).error
+        return neglected(point.trial, balance, fine, along, self.last).error
+
+    def refined(self, peak: CurvePeak, accuracy: float, most: int) -> tuple[CurvePeak, dict[int, float]]:
+        """A peak with more harmonics, at ``most`` so many, until its estimated error is below the ``accuracy``.
+
+        Also the estimated errors by the number of harmonics. The peak stays as it is where one with more harmonics is
+        not found.
+        """
+        stage, errors = self, {self.harmonics: self.estimated_error(peak)}
+        while errors[stage.harmonics] > accuracy and (more := more_than(stage.harmonics)) <= most:
+            allowed, probe = max(SAME_PEAK, SAME_PEAK_ERRORS * errors[stage.harmonics]), peak.probe
+            stage = self.with_harmonics(more)
+            unknowns, across = with_rows(probe.point.unknowns, 2 * more + 1), resized_step(probe.tangent, more)
+            found = stage.search.from_estimate(unknowns, float(probe.point.parameters[0]), across, peak.curvature)
+            if isinstance(found, str) or abs(math.log(found.amplitude / peak.amplitude)) > allowed:
+                break
+            peak, errors[more] = found, stage.estimated_error(found)
+        return peak, errors
 
     def whole_curve(self, window: tuple[float, float] | None = None) -> Branch[BalancePoint]:
         """The frequency curve over a part of its window, Hz, or over all of it. Raises ConvergenceError without a first
@@ -196,6 +255,17 @@ class RidgeStage:
         return branch
 
 
+def more_than(harmonics: int) -> int:
+    """The next number of harmonics."""
+    return next((each for each in LADDER if each > harmonics), harmonics + 2)
+
+
+def resized_step(step: Step, harmonics: int) -> Step:
+    """The same step among unknowns with another number of harmonics."""
+    rows = 2 * harmonics + 1
+    return Step(with_rows(step.unknowns, rows), step.parameters, with_rows(step.detail, rows))
+
+
 # The equations at a value, with what they share with those of an earlier one.
 StageMaker = Callable[[float, RidgeStage | None], RidgeStage]
 
@@ -207,7 +277,7 @@ class Work:
     def __init__(self, most: float = math.inf) -> None:
         self.most, self.done, self.points = most, 0.0, 0
 
-    def iterate(self, number: int, error: float) -> None:
+    def iterate(self) -> None:
         """Count an iteration."""
         self.done += 1.0
 
@@ -218,7 +288,7 @@ class Work:
     def prepare(self, stage: RidgeStage, earlier: RidgeStage | None) -> None:
         """Count the preparation of the equations at a value; those with the modes of an earlier stage cost little."""
         if earlier is None or earlier.balances.stuck.modes is not stage.balances.stuck.modes:
-            self.done += PREPARATION * stage.output.size**2 / stage.search.balance.rows
+            self.done += PREPARATION * stage.output.size**2 / (3 * stage.balances.pairs.n_pairs)
 
     @property
     def is_used_up(self) -> bool:

@@ -7,16 +7,17 @@ and its other part consists of minima). A ridge of maxima is therefore single-va
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from stickslip.contact.law.law import ContactState
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak
-from stickslip.solve.ridges.ridge_stage import RidgeStage, StuckMode
+from stickslip.solve.ridges.ridge_stage import RidgeStage, StuckMode, resized_step
 
 # chosen: the step grows or shrinks at most by these factors.
 GROWTH, SHRINKAGE = 2.0, 0.5
@@ -30,6 +31,8 @@ LITTLE_SLIP = 0.8
 LARGEST_CHANGE = 0.5
 # chosen: a step of so many smallest ones passes a node of the excitation.
 LEAP = 2.0
+# chosen: an estimated error above this fraction of the accuracy has no neighbour without an estimate.
+CALM = 0.2
 TOO_MUCH_WORK = "more work was not allowed"
 
 
@@ -38,15 +41,16 @@ class RidgePoint:
     """A maximum at a value of the parameter.
 
     ``mode`` is the stuck mode that was closest to the start of the ridge: the frequency of the peak follows that of the
-    mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one. ``error`` is
-    the estimated relative one by neglected harmonics, None where it is not estimated.
+    mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one.
+    ``estimates`` are the relative errors by neglected harmonics by the number of harmonics, that of the point the
+    largest one; empty where they are not estimated.
     """
 
     parameter: float
     peak: CurvePeak
     mode: StuckMode
     stuck_amplitude: float
-    error: float | None = None
+    estimates: Mapping[int, float] = field(default_factory=dict)
 
     @classmethod
     def start(cls, parameter: float, peak: CurvePeak, stage: RidgeStage) -> RidgePoint:
@@ -59,6 +63,11 @@ class RidgePoint:
         """A point of the ridge of a stuck mode."""
         stuck = stage.stuck_peak(mode.number)
         return cls(parameter, peak, mode, math.nan if stuck is None else stuck.amplitude)
+
+    @property
+    def harmonics(self) -> int:
+        """The number of harmonics."""
+        return self.peak.harmonics
 
     @property
     def is_stuck(self) -> bool:
@@ -86,8 +95,13 @@ class Pace:
     largest_error:
         above it the step is repeated with half its length: the search arrived at another peak. After the first point,
         which predicts no change, twice this error is allowed.
+    accuracy:
+        largest estimated error by neglected harmonics, relative: a point above it has more harmonics, at most
+        ``most_harmonics``. Infinite for a fixed number of harmonics without estimates.
     estimate_every:
-        distance in the logarithm after which a point has an estimate of its error by neglected harmonics.
+        distance in the logarithm after which a point has an estimate of this error, if that of the last one was small.
+    interpolation_error:
+        largest estimated error of the interpolated highest peak, relative.
     """
 
     first_step: float = 0.1
@@ -96,25 +110,39 @@ class Pace:
     wanted_error: float = 0.02
     largest_error: float = 0.1
     most_points: int = 200
+    accuracy: float = math.inf
+    most_harmonics: int = 0
     estimate_every: float = math.inf
+    interpolation_error: float = 5e-4  # the demand is 0.1 %
 
-    def estimated(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint] = ()) -> RidgePoint:
-        """The point with an estimate of its error, if the last one of the ``earlier`` points is far. Where all pairs
-        stick nothing is neglected."""
-        if math.isinf(self.estimate_every):
+    @property
+    def has_fixed_harmonics(self) -> bool:
+        """Whether no error by neglected harmonics is estimated."""
+        return math.isinf(self.accuracy)
+
+    def resolved(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint] = ()) -> RidgePoint:
+        """The point with an estimate of its error, and with as many harmonics as the accuracy requires; without both
+        if one of the ``earlier`` points is close and has a small error. Where all pairs stick nothing is neglected."""
+        if self.has_fixed_harmonics:
             return point
         if point.is_stuck:
-            return replace(point, error=0.0)
-        last = next((each for each in reversed(earlier) if each.error), None)
-        if last is not None and abs(math.log(point.parameter / last.parameter)) < self.estimate_every:
+            return replace(point, estimates={point.harmonics: 0.0})
+        last = next((each for each in reversed(earlier) if each.estimates and not each.is_stuck), None)
+        if (
+            last is not None
+            and last.estimates[last.harmonics] < CALM * self.accuracy
+            and abs(math.log(point.parameter / last.parameter)) < self.estimate_every
+        ):
             return point
-        return replace(point, error=stage.estimated_error(point.peak))
+        own = stage.with_harmonics(point.harmonics)
+        peak, estimates = own.refined(point.peak, self.accuracy, self.most_harmonics)
+        return replace(point, peak=peak, estimates=estimates)
 
     def next_point(self, stage: RidgeStage, near: list[RidgePoint], value: float) -> tuple[RidgePoint | str, float]:
         """The maximum at a value from points near it, and the error of its extrapolated logarithm.
 
-        Amplitudes are extrapolated over those of the linear stuck peak: where the force acts at a node of the stuck
-        mode, both fall to almost nothing.
+        It has the harmonics of the last of these points. Amplitudes are extrapolated over those of the linear stuck
+        peak: where the force acts at a node of the stuck mode, both fall to almost nothing.
         """
         last = near[-1]
         mode = stage.same_mode(last.mode)
@@ -132,17 +160,20 @@ class Pace:
         if stuck is not None and slips_little and not any(math.isnan(each.stuck_amplitude) for each in near):
             ratios = [math.log(each.peak.amplitude / each.stuck_amplitude) for each in near]
             height = math.log(stuck.amplitude) + _predicted(weights, ratios)
+        across = last.peak.probe.tangent
         if stuck is not None and last.is_stuck:
             omega = 2.0 * math.pi * stuck.frequency_hz
             unknowns = stage.search.balance.linear(omega)
+            across = resized_step(across, stage.harmonics)
         else:
+            stage, rows = stage.with_harmonics(last.harmonics), 2 * last.harmonics + 1
             turned = _predicted(weights, [math.log(each.trial.omega / each.mode.omega) for each in near])
             omega = mode.omega * math.exp(turned)
-            unknowns = math.exp(height) * sum(weight * each.shape for weight, each in zip(weights, near, strict=True))
+            unknowns = math.exp(height) * sum(
+                weight * with_rows(each.shape, rows) for weight, each in zip(weights, near, strict=True)
+            )
         allowed = self.largest_error * (2.0 if len(near) == 1 else 1.0)
-        found = stage.search.from_estimate(
-            unknowns, omega, last.peak.probe.tangent, last.peak.curvature, math.exp(height + allowed)
-        )
+        found = stage.search.from_estimate(unknowns, omega, across, last.peak.curvature, math.exp(height + allowed))
         if isinstance(found, str):
             return found, math.inf
         if math.log(found.amplitude) < height - allowed:
@@ -194,7 +225,7 @@ def follow(
             continue
         leaps = 0
         assert not isinstance(stage, str)  # it has a point
-        points.append(pace.estimated(after, stage, points))
+        points.append(pace.resolved(after, stage, points))
         if reason := is_needless(after):
             return points[1:], reason
         # The error of a polynomial of n points grows with the n-th power of the step.
