@@ -114,7 +114,7 @@ def test_data_can_not_end_their_script_nor_begin_another(pages: Any, kind: str) 
         assert not set("<>&") & set(code)
         json.loads(code)
     others = [attributes for attributes, _ in read.scripts if not attributes]
-    assert len(others) == {"report": 5, "sweep": 3, "band": 3, "design": 3, "paper": 1}[kind]  # plotly.js and own
+    assert len(others) == {"report": 6, "sweep": 3, "band": 3, "design": 3, "paper": 1}[kind]  # plotly.js and own
     assert len(read.scripts) == len(held) + len(others)
 
 

@@ -12,6 +12,7 @@ import pytest
 import stickslip as ss
 from ridges import ridge_of, valley
 from sentences import printed_sentence, rejects
+from stickslip.core.validation import FloatArray
 from stickslip.results.checked_peak import CheckedPeak, spread
 from stickslip.results.peak_ridge import STUCK_OPTIMUM
 
