@@ -84,7 +84,7 @@ def test_nothing_runs_and_all_text_is_read(browser: Any, folder: Path, kind: str
         assert (
             page.locator("a:not([href^='#']):not([href^=figures]):not([href^=tables]):not([href^=cases])").count() == 0
         )
-        assert page.locator("body script:not([src])").count() == {"sweep": 4, "paper": 1}.get(kind, 8)
+        assert page.locator("body script:not([src])").count() == {"report": 9, "sweep": 4, "paper": 1}[kind]
 
 
 @pytest.mark.parametrize(("kind", "plots"), [("report", 13), ("sweep", 8)])

@@ -100,7 +100,7 @@ def test_page_file_and_tables_have_it(banded: tuple[Case, ReducedModel, ForcedRe
     assert rows[f"{beside}: amplitude"] == f"{low} to {high}"
     assert list(rows).index(f"{beside}: amplitude") == 2  # after the amplitude and frequency of the peak
     low, high = (number(1e6 * value) for value in measures.stiffness_peaks)
-    assert f"; {low} µm to {high} µm or more with 1/3 to 3 of the stiffness, not measured" in page(response, record)
+    assert f"; {low} to {high} µm or more with 1/3 to 3 of the stiffness, not measured" in page(response, record)
     assert stiffness_range(View.of(replace(response, stiffness_band=None), record).summary) == ""
     assert "was not measured" in words
     text = page(response, record)

@@ -35,7 +35,7 @@ FIRST_SAMPLES, SAMPLES_PER_HARMONIC, FINEST = 128, 16, 4
 # samples.
 FIRST_ERROR, LARGEST_ERROR = 0.15, 0.01
 # How often more harmonics may confirm the verdict of a point.
-MOST_CORRECTIONS = 2
+MOST_CORRECTIONS = 3
 # Number of multipliers of each point in a result.
 STORED = 4
 

@@ -91,12 +91,12 @@ class Verdict:
         """The same multipliers, those that matter with the errors that their changes from ``fewer`` harmonics show.
 
         A complex pair leaves the circle by a change of its size, or after it met on the real axis, so a change of its
-        angle counts only if it may reach this axis.
+        angle counts only if it may reach this axis, and then once: most of such a change goes along the circle.
         """
         nearest = fewer.values[np.abs(self.values[:, None] - fewer.values).argmin(axis=1)]
-        moved = CHANGE_FACTOR * np.abs(self.values - nearest)
+        moved = np.abs(self.values - nearest)
         resized = CHANGE_FACTOR * np.abs(np.abs(self.values) - np.abs(nearest))
-        errors = np.where(moved >= np.abs(self.values.imag), moved, resized)
+        errors = np.where(CHANGE_FACTOR * moved >= np.abs(self.values.imag), np.maximum(moved, resized), resized)
         return replace(self, errors=np.where(np.abs(self.values) > SMALLEST_SIZE, errors, self.errors))
 
     def _near_one(self, distance: float) -> BoolArray:
