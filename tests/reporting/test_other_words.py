@@ -51,6 +51,15 @@ def test_the_page_says_what_a_search_found() -> None:
     assert "1 random states led to no periodic motion" in words
 
 
+def test_the_page_says_how_many_verdicts_of_other_solutions_are_doubtful() -> None:
+    response = with_search(1)
+    found = response.other_solutions
+    assert found is not None
+    doubtful = np.arange(response.n_points) < 3
+    words = section(replace(response, other_solutions=replace(found, doubtful_points=doubtful)))
+    assert f"(with stable parts, stability doubtful at 3 of {response.n_points} points)" in words
+
+
 def test_the_page_says_that_a_search_without_result_proves_nothing() -> None:
     assert "found no periodic motion off the curve, which proves nothing" in section(with_search(0))
 

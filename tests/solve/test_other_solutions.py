@@ -114,6 +114,22 @@ def test_the_same_seed_gives_the_same_search_and_a_file_keeps_it(tmp_path: Path)
 
 
 @pytest.mark.slow
+def test_verdicts_that_more_harmonics_do_not_confirm_are_doubtful(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sure = searched(FORCE, (1.02, 1.3), starts=2, seed=2)[1]
+    assert sure.doubtful_points is not None
+    assert sure.doubtful_points.shape == sure.stable_points.shape
+    monkeypatch.setattr("stickslip.solve.stability.curve._confirmed", lambda *_: set())
+    response, other = searched(FORCE, (1.02, 1.3), starts=2, seed=2)
+    assert other.doubtful_points is not None
+    assert other.doubtful_points.all()
+    assert other != sure
+    response.save(tmp_path / "results.nc")
+    assert ss.ForcedResponse.load(tmp_path / "results.nc").other_solutions == other
+
+
+@pytest.mark.slow
 def test_a_search_that_finds_nothing_says_that_this_proves_nothing(tmp_path: Path) -> None:
     response, other = searched(0.5, (1.02, 2.5), starts=3, seed=0)
     assert other.n_curves == 0

@@ -34,6 +34,9 @@ class OtherSolutions(SideCurves):
         random starts that led to no periodic motion with the period of the excitation.
     changes:
         places of the curve where contact changes its state, from whose other side Newton's method started.
+    doubtful_points:
+        (n_side_points,) whether the verdict ``stable_points`` is doubtful, as ``ForcedResponse.doubtful``; None without
+        multipliers.
     """
 
     DATASET_TITLE: ClassVar[str] = "Periodic motions that are not on the curve"
@@ -47,6 +50,12 @@ class OtherSolutions(SideCurves):
     seed: int = field(metadata=stored(Count("seed of the random states")))
     without_solution: int = field(metadata=stored(Count("random starts without a periodic motion")))
     changes: int = field(metadata=stored(Count("changes of contact states from whose other side Newton started")))
+    doubtful_points: NDArray[np.bool_] | None = field(
+        default=None,
+        metadata=stored(
+            Flags(("side_point",), "1", "1 if the verdict on stability is doubtful", name="doubtful", optional=True)
+        ),
+    )
 
     def _stable(self, part: NDArray[np.int64]) -> NDArray[np.bool_]:
         return self.stable_points[part]
@@ -78,5 +87,11 @@ class OtherSolutions(SideCurves):
             hertz = self.frequency_hz[part]
             early = "" if self.complete[number] else ", not complete"
             stable = "with stable parts" if self.stable_points[part].any() else "unstable throughout"
+            stable += self._doubts(part)
             answer.append(f"{name} from {hertz.min():.2f} to {hertz.max():.2f} Hz ({stable}{early})")
         return answer
+
+    def _doubts(self, part: NDArray[np.int64]) -> str:
+        """The number of doubtful verdicts of a curve in words, if there are any."""
+        doubtful = 0 if self.doubtful_points is None else int(self.doubtful_points[part].sum())
+        return f", stability doubtful at {doubtful} of {part.size} points" if doubtful else ""

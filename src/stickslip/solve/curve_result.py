@@ -154,7 +154,7 @@ def response_of(
         walk=walk,
         part=np.searchsorted(breaks, np.arange(len(trials))),
         stable=None if verdict is None else verdict.stable,
-        doubtful=None if verdict is None else verdict.undecided | verdict.unconfirmed,
+        doubtful=None if verdict is None else verdict.doubtful,
         multipliers=None if verdict is None else verdict.multipliers,
         bifurcations=() if verdict is None else verdict.bifurcations,
         stability_message=stability_message,

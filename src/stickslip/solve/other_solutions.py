@@ -29,7 +29,7 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
-from stickslip.solve.stability.curve import curve_stability, reason_without
+from stickslip.solve.stability.curve import reason_without
 from stickslip.solve.transient.integrate import check_integration
 from stickslip.structure.superelement import Superelement
 
@@ -268,11 +268,16 @@ class _Search:
         first, last = max(edges.tolist(), key=lambda edge: edge[1] - edge[0])
         return replace(followed, points=followed.points[max(first - 1, 0) : last + 1], closed=False)
 
-    def _stable(self, points: Sequence[BalancePoint]) -> Flags:
+    def _verdicts(self, curves: Sequence[_Followed]) -> tuple[Flags, Flags | None]:
+        """Of all points of the curves: whether they are stable, and whether that is doubtful; folds have no doubts."""
+        none: list[Flags] = [np.zeros(0, dtype=bool)]
         if reason_without(self._balance.pairs) or self._balances.no_stability:
-            return stable_between_folds([point.trial.omega for point in points])
-        trials = [point.trial for point in points]
-        return curve_stability(trials, self._balance.pairs, self._balances.stuck).stable
+            omegas = [[point.trial.omega for point in each.points] for each in curves]
+            return np.concatenate(none + [stable_between_folds(each) for each in omegas]), None
+        trials = [[point.trial for point in each.points] for each in curves]
+        parts = [self._balances.stability(each, self._balance.pairs) for each in trials]
+        stable, doubtful = none + [part.stable for part in parts], none + [part.doubtful for part in parts]
+        return np.concatenate(stable), np.concatenate(doubtful)
 
     def _result(self, starts: int, seed: int, lost: int, changes: int) -> OtherSolutions:
         self._report.stage("stability of other solutions", 1.0)
@@ -280,6 +285,7 @@ class _Search:
         trials = [[point.trial for point in each.points] for each in curves]
         displacement = [self._balances.motion(each, self._balance.displacement(each))[0] for each in trials]
         width = 2 * self._balance.harmonics + 1
+        stable, doubtful = self._verdicts(curves)
         return OtherSolutions(
             tuple(_name(each, number) for number, each in enumerate(curves, start=1)),
             np.array([each.complete for each in curves], dtype=bool),
@@ -287,12 +293,13 @@ class _Search:
             np.array([point.trial.omega for each in curves for point in each.points]) / (2.0 * np.pi),
             np.concatenate([np.zeros((0, width, size)), *displacement]).transpose(0, 2, 1),
             np.array([each.closed for each in curves], dtype=bool),
-            np.concatenate([np.zeros(0, dtype=bool), *(self._stable(each.points) for each in curves)]),
+            stable,
             starts,
             MOTIONS * starts,
             seed,
             lost,
             changes,
+            doubtful,
         )
 
 

@@ -70,6 +70,11 @@ class CurveStability:
     unconfirmed: BoolArray
     error_at_folds: float
 
+    @property
+    def doubtful(self) -> BoolArray:
+        """(n,) points whose verdict is doubtful for one of both reasons."""
+        return np.asarray(self.undecided | self.unconfirmed)
+
     @classmethod
     def joined(cls, parts: Sequence[CurveStability]) -> CurveStability:
         """That of parts of a curve, one after the other."""
