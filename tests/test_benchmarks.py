@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 
+from helpers import benchmark_module
 from stickslip.model.kinds.two_blade_geometry import BladePairElements
 from stickslip.model.model import set_up
 from stickslip.structure.model_facts import body_volumes
@@ -155,3 +156,27 @@ def test_the_force_of_an_iwan_joint_at_phase_resonance_is_the_closed_form(monkey
     assert force == pytest.approx(closed, rel=4e-3)  # least force, not exactly at 90 degrees
     lowered = 0.5 * 5e7 * acceleration / omega**2 / 2.0  # R X / 2 over the mass
     assert 80.0 - frequency == pytest.approx(80.0 - np.sqrt(stuck**2 - lowered) / (2.0 * np.pi), rel=0.02)
+
+
+@pytest.mark.long
+def test_the_scan_finds_a_peak_that_a_curve_does_not_have() -> None:
+    """benchmarks/peak_scan.py between the points of a complete curve, and of the same curve without its peak."""
+    peak_scan, problems = benchmark_module("peak_scan"), benchmark_module("torture_problems")
+    problem = problems.make("narrow", 201)
+    response = problem.solve()
+    assert peak_scan.scan(problem, response)[0] == []
+    amplitude = response.amplitude(problem.structure.output)
+    flat = np.flatnonzero(amplitude < 0.3 * amplitude.max())
+    without_peak = SimpleNamespace(
+        harmonics=response.harmonics,
+        n_points=flat.size,
+        frequency_hz=response.frequency_hz[flat],
+        part=np.zeros(flat.size, dtype=int),
+        warnings=(),
+        amplitude=lambda row: response.amplitude(row)[flat],
+        pair_coefficients=lambda point: response.pair_coefficients(int(flat[point])),
+    )
+    (found,) = peak_scan.scan(problem, without_peak)[0]
+    assert found.frequency_hz == pytest.approx(response.frequency_hz[amplitude.argmax()], rel=1e-4)
+    assert found.amplitude == pytest.approx(amplitude.max(), rel=0.01)
+    assert not found.named
