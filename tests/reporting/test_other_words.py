@@ -12,6 +12,7 @@ from stickslip.reporting.page import page
 from stickslip.reporting.view import View
 from stickslip.results.other_solutions import OtherSolutions
 from stickslip.results.response import ForcedResponse
+from stickslip.results.tables import study_tables
 from synthetic import synthetic_response, synthetic_study
 
 STUDY = synthetic_study(columns=4, rows=3)
@@ -58,6 +59,21 @@ def test_the_page_says_how_many_verdicts_of_other_solutions_are_doubtful() -> No
     doubtful = np.arange(response.n_points) < 3
     words = section(replace(response, other_solutions=replace(found, doubtful_points=doubtful)))
     assert f"(with stable parts, stability doubtful at 3 of {response.n_points} points)" in words
+
+
+def test_the_table_of_other_solutions_has_a_column_of_doubtful_verdicts() -> None:
+    response = with_search(1)
+    found = response.other_solutions
+    assert found is not None
+    doubtful = np.arange(response.n_points) < 3
+
+    def headings(others: OtherSolutions) -> list[str]:
+        tables = study_tables(replace(response, other_solutions=others), STUDY)
+        (table,) = (each for each in tables if each.name == "other_solutions")
+        return [column.name for column in table.columns]
+
+    assert headings(replace(found, doubtful_points=doubtful))[-1] == "doubtful stability"
+    assert "doubtful stability" not in headings(found)
 
 
 def test_the_page_says_that_a_search_without_result_proves_nothing() -> None:

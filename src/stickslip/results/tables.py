@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.contact.law.law import ContactState
 from stickslip.results.measures import SUMMARY_COLUMNS, energy_imbalance, equivalent_damping, state_counts, summary
+from stickslip.results.other_solutions import OtherSolutions
 from stickslip.results.pair_measures import pair_measures
 from stickslip.results.record import MODE_COLUMNS, StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -197,13 +198,15 @@ def _side_curves(response: ForcedResponse, study: StudyRecord) -> Iterator[Table
     }
     for name, side in sides.items():
         curves = () if side is None else side.curves(row)
-        columns = (
+        columns = [
             column_of("curve", "", [curve.name for curve in curves for _ in curve.frequency_hz]),
             column_of("frequency", "Hz", [value for curve in curves for value in curve.frequency_hz]),
             column_of(f"amplitude of {study.response_output}", "m", [a for curve in curves for a in curve.amplitude]),
             column_of("stable", "", [flag for curve in curves for flag in curve.stable]),
-        )
-        yield Table(name, f"{name.replace('_', ' ')} beside the curve", columns)
+        ]
+        if isinstance(side, OtherSolutions) and side.doubtful_points is not None:
+            columns.append(column_of("doubtful stability", "", side.doubtful_points.astype(int)))
+        yield Table(name, f"{name.replace('_', ' ')} beside the curve", tuple(columns))
 
 
 def _stress(study: StudyRecord) -> Iterator[Table]:
