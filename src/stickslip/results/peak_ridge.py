@@ -18,9 +18,9 @@ from stickslip.results.checked_peak import CheckedPeak, doubtful_words, is_doubt
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.highest_peak import HighestPeak, Optimum, log_interpolated, optimum_at
 from stickslip.results.ridge_figure import RidgePicture, ridge_figure
-from stickslip.results.ridge_table import ridge_table
+from stickslip.results.ridge_table import POINT_COLUMNS, ridge_table
 from stickslip.results.ridge_words import GRID_PER_INTERVAL, STUCK_OPTIMUM, error_words
-from stickslip.results.table import Table
+from stickslip.results.table import Table, column_of
 from stickslip.results.variables import Attribute, Flags, Json, Labelled, Numbers, Text, WholeNumbers, stored
 
 if TYPE_CHECKING:
@@ -317,7 +317,9 @@ class PeakRidge(Labelled):
 
     def tables(self, name: str) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""
-        yield ridge_table(self, name)
+        points = {key: getattr(self, key) for key in POINT_COLUMNS} | {"ridge": self.ridge + 1}
+        parameter = column_of(self.parameter_name, self.parameter_unit, self.parameter)
+        yield ridge_table(name, parameter, self.output_name, points)
 
     def closing_words(self, name: str) -> Iterator[str]:
         """See :class:`stickslip.results.part.ResultPart`."""
@@ -379,7 +381,11 @@ class PeakRidge(Labelled):
 
     def _place(self, at: Optimum) -> str:
         where = f"{1e6 * at.amplitude:.4g} µm at {at.frequency_hz:.2f} Hz, with {self._named(at.parameter)}"
-        return where + error_words(self, at)
+        return where + self.words_on_error(at)
+
+    def words_on_error(self, at: Optimum) -> str:
+        """The estimated error of a minimum, to follow its amplitude; "" where nothing was estimated."""
+        return "" if self.estimated_error is None else error_words(self.grid, self.error_at, at.parameter)
 
     def _named(self, value: float) -> str:
         return f"{self.parameter_name} = {value:.4g} {self.parameter_unit}".rstrip()

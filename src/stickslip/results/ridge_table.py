@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import Any
 
 from stickslip.results.table import Column, Table, column_of
 
-if TYPE_CHECKING:
-    from stickslip.results.peak_ridge import PeakRidge
+# Arrays of a ridge -> heading and unit; those that are None have no column.
+POINT_COLUMNS = {
+    "amplitude": ("amplitude of {}", "m"),
+    "frequency_hz": ("frequency", "Hz"),
+    "point_harmonics": ("harmonics", ""),
+    "estimated_error": ("estimated error", ""),
+    "ridge": ("ridge", ""),
+    "is_corner": ("corner", ""),
+    "pairs_stuck": ("pairs stuck", ""),
+    "pairs_stick_slip": ("pairs stick-slip", ""),
+    "pairs_separating": ("pairs separating", ""),
+}
 
 
-def ridge_table(ridge: PeakRidge, name: str) -> Table:
-    """The peaks of a ridge, with the number of harmonics and the estimated error of each if they are known."""
-    columns = (
-        column_of(ridge.parameter_name, ridge.parameter_unit, ridge.parameter),
-        column_of(f"amplitude of {ridge.output_name}", "m", ridge.amplitude),
-        column_of("frequency", "Hz", ridge.frequency_hz),
-        *_trust_columns(ridge),
-        column_of("ridge", "", ridge.ridge + 1),
-        column_of("corner", "", ridge.is_corner),
-        column_of("pairs stuck", "", ridge.pairs_stuck),
-        column_of("pairs stick-slip", "", ridge.pairs_stick_slip),
-        column_of("pairs separating", "", ridge.pairs_separating),
-    )
-    return Table(name, f"peaks against {ridge.parameter_name}, 0-to-peak", columns)
-
-
-def _trust_columns(ridge: PeakRidge) -> Iterator[Column]:
-    if ridge.point_harmonics is not None:
-        yield column_of("harmonics", "", ridge.point_harmonics)
-    if ridge.estimated_error is not None:
-        yield column_of("estimated error", "", ridge.estimated_error)
+def ridge_table(name: str, parameter: Column, output_name: str, points: Mapping[str, Any]) -> Table:
+    """The peaks against a parameter; ``points`` are the arrays of :data:`POINT_COLUMNS`, ridges numbered from 1."""
+    columns = [
+        column_of(words.format(output_name), unit, points[key])
+        for key, (words, unit) in POINT_COLUMNS.items()
+        if points[key] is not None
+    ]
+    return Table(name, f"peaks against {parameter.name}, 0-to-peak", (parameter, *columns))

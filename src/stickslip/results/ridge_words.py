@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 
-from stickslip.results.highest_peak import Optimum
-
-if TYPE_CHECKING:
-    from stickslip.results.peak_ridge import PeakRidge
+from stickslip.core.validation import FloatArray
 
 # chosen: values between the points at which the highest ridge is determined.
 GRID_PER_INTERVAL = 8
@@ -21,14 +18,12 @@ STUCK_OPTIMUM = (
 )
 
 
-def error_words(ridge: PeakRidge, at: Optimum) -> str:
-    """The estimated error of a minimum, to follow its amplitude; "" where nothing was estimated.
+def error_words(grid: FloatArray, error_at: Callable[[FloatArray], FloatArray], parameter: float) -> str:
+    """The estimated error of a minimum of a ridge, to follow its amplitude.
 
-    It is the largest one up to an interval beside the place, which is as uncertain as the curve around it.
+    It is the largest one up to an interval of the ``grid`` beside the place, which is as uncertain as the curve around
+    it; ``error_at`` gives it for values of the parameter.
     """
-    if ridge.estimated_error is None:
-        return ""
-    grid = ridge.grid
-    place = int(np.argmin(np.abs(grid - at.parameter)))
-    near = ridge.error_at(grid[max(0, place - GRID_PER_INTERVAL) : place + GRID_PER_INTERVAL + 1])
+    place = int(np.argmin(np.abs(grid - parameter)))
+    near = error_at(grid[max(0, place - GRID_PER_INTERVAL) : place + GRID_PER_INTERVAL + 1])
     return f", estimated error {100.0 * max(SMALLEST_ERROR, float(np.nanmax(near))):.2g} %"
