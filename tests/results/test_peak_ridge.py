@@ -14,7 +14,7 @@ from ridges import ridge_of, valley
 from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
 from stickslip.results.checked_peak import CheckedPeak, spread
-from stickslip.results.peak_ridge import STUCK_OPTIMUM
+from stickslip.results.ridge_words import STUCK_OPTIMUM
 
 LOADS = np.geomspace(1.0, 100.0, 15)
 FALLING = ridge_of((LOADS, 1e-5 / LOADS))
@@ -131,9 +131,38 @@ def test_checks_and_doubtful_points_are_in_words_file_and_figure(tmp_path: Path)
     assert labels[-1] == "minimum with slip, checked: 15 µm at 10 N"
 
 
-def test_without_doubtful_points_nothing_is_said() -> None:
+def test_without_doubtful_points_only_the_optimum_has_an_error() -> None:
     known = ridge_of((LOADS, valley(LOADS)), estimated_error=np.full(15, 0.009))
-    assert list(known.words()) == list(ridge_of((LOADS, valley(LOADS))).words())
+    first, *rest = known.words()
+    plain, *others = ridge_of((LOADS, valley(LOADS))).words()
+    assert rest == others
+    assert first.startswith(plain.removesuffix(".") + ", estimated error 0.9")
+
+
+def test_a_minimum_carries_the_largest_error_beside_it() -> None:
+    """That of the points on both sides, and of the line between them."""
+    error = np.where(LOADS > 8.0, 0.004, 0.06)
+    smooth = ridge_of((LOADS, valley(LOADS)), estimated_error=error)
+    assert float(next(smooth.words()).rpartition("error ")[2].split()[0]) == pytest.approx(6.0, abs=0.5)
+    far = ridge_of((LOADS, valley(LOADS, 40.0)), estimated_error=error)
+    assert float(next(far.words()).rpartition("error ")[2].split()[0]) == pytest.approx(0.4, abs=0.2)
+    dip = valley(LOADS, 40.0) * np.where((LOADS > 25.0) & (LOADS < 40.0), 0.5, 1.0)
+    line = ridge_of((LOADS, dip), estimated_error=error)
+    assert float(next(line.words()).rpartition("error ")[2].split()[0]) > 2.0
+
+
+def test_an_error_is_not_below_that_of_the_search_of_a_peak() -> None:
+    fine = np.geomspace(1.0, 100.0, 200)
+    ridge = ridge_of((fine, valley(fine)), estimated_error=np.zeros(200))
+    assert next(ridge.words()).endswith("estimated error 0.01 %.")
+
+
+def test_the_table_has_harmonics_and_errors_if_they_are_known() -> None:
+    (plain,) = FALLING.tables("ridge")
+    known = replace(FALLING, estimated_error=np.full(15, 0.02), point_harmonics=np.full(15, 5))
+    (table,) = known.tables("ridge")
+    added = [each for each in table.columns if each.name not in {own.name for own in plain.columns}]
+    assert [(each.name, each.values[0]) for each in added] == [("harmonics", 5), ("estimated error", 0.02)]
 
 
 def test_the_minimum_with_slip_is_not_the_stuck_one() -> None:

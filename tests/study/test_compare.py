@@ -19,9 +19,11 @@ from sentences import printed_sentence, rejects
 from stickslip.cli.main import app
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.validation import FloatArray
+from stickslip.reporting.compare_page import _measure_cells
 from stickslip.reporting.compare_verdict import compare_verdict
 from stickslip.results.comparison import (
     Compared,
+    ComparedMeasure,
     amplitude_at,
     compared_measures,
     differing_inputs,
@@ -227,3 +229,11 @@ def test_the_page_is_readable_in_a_browser(two: list[Path], tmp_path: Path) -> N
         for width in WIDTHS:
             with opened_page(browser, target, width) as page:
                 require_readable(page)
+
+
+def test_a_reduction_has_no_quotient_of_two_fractions() -> None:
+    """A peak that is 4 % above the linear one, and another one 18 % below it, are no change of -513 %."""
+    reduction = ComparedMeasure("reduction_from_stuck", "1", "1 - peak / linear stuck peak", (-0.043, 0.177))
+    assert [cell.count("(") for cell in _measure_cells(reduction)[1]] == [0, 0]
+    amplitude = ComparedMeasure("peak_amplitude_m", "m", "peak", (1e-4, 2e-4))
+    assert _measure_cells(amplitude)[1][1].endswith("(+100 %)")

@@ -67,7 +67,10 @@ _WORDS = {
     "energy_imbalance": "Largest energy imbalance on the curve, of the input",
 }
 # Measures that are differences, flags or errors: a quotient of them means nothing.
-_NO_PERCENT = ("shift_from_stuck_hz", "shift_from_free_hz", "peak_bracketed", "energy_imbalance", "normal_work_j")
+_NO_PERCENT = (
+    "shift_from_stuck_hz", "shift_from_free_hz", "reduction_from_stuck", "reduction_from_free", "peak_bracketed",
+    "energy_imbalance", "normal_work_j",
+)  # fmt: skip
 
 
 def write_compare_page(path: str | PathLike[str], compared: Sequence[Compared]) -> None:

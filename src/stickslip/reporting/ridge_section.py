@@ -15,7 +15,8 @@ from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.view import View
 from stickslip.results.checked_peak import CheckedPeak, is_doubtful
 from stickslip.results.highest_peak import Optimum
-from stickslip.results.peak_ridge import STUCK_OPTIMUM, PeakRidge
+from stickslip.results.peak_ridge import PeakRidge
+from stickslip.results.ridge_words import STUCK_OPTIMUM
 
 RidgeOf = Callable[[View], PeakRidge | None]
 # Prefixes of the ids of figures.
@@ -165,7 +166,8 @@ def _performance_words(view: View) -> Iterator[str]:
     if best.is_inside:
         yield (
             f"The optimum is at {number(best.parameter, 3)} times the excitation force, "
-            f"{number(force * best.parameter, 3)} N: {number(MICRO * best.amplitude)} µm at {best.frequency_hz:.2f} Hz."
+            f"{number(force * best.parameter, 3)} N: {number(MICRO * best.amplitude)} µm at {best.frequency_hz:.2f} Hz"
+            f"{ridge.words_on_error(best)}."
         )
     else:
         yield (
@@ -176,6 +178,7 @@ def _performance_words(view: View) -> Iterator[str]:
         yield STUCK_OPTIMUM
     for other in ridge.other_minima:
         where = f"{number(MICRO * other.amplitude)} µm at {number(force * other.parameter, 3)} N"
+        where += ridge.words_on_error(other)
         yield f"Another local minimum is {where}."
     yield from ridge.words_on_trust(lambda ratio: f"{number(force * ratio, 3)} N")
     for ratio in ridge.switches():

@@ -18,6 +18,8 @@ from stickslip.results.checked_peak import CheckedPeak, doubtful_words, is_doubt
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.highest_peak import HighestPeak, Optimum, log_interpolated, optimum_at
 from stickslip.results.ridge_figure import RidgePicture, ridge_figure
+from stickslip.results.ridge_table import POINT_COLUMNS, ridge_table
+from stickslip.results.ridge_words import GRID_PER_INTERVAL, STUCK_OPTIMUM, error_words
 from stickslip.results.table import Table, column_of
 from stickslip.results.variables import Attribute, Flags, Json, Labelled, Numbers, Text, WholeNumbers, stored
 
@@ -25,14 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _POINTS, _STUCK, _FREE = ("ridge_point",), ("stuck_point",), ("free_point",)
-# chosen: values between the points at which the highest ridge is determined.
-GRID_PER_INTERVAL = 8
 # chosen: rise of the logarithm on both sides of an optimum; smaller valleys are blurred by sampling.
 LEAST_RISE = 0.01
-STUCK_OPTIMUM = (
-    "No pair slips there: the excitation hardly drives the stuck mode, so the peak is low without friction, and only "
-    "in a range so narrow that this value is approximate. With slip, the lowest peak is that of the other minima."
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,17 +317,9 @@ class PeakRidge(Labelled):
 
     def tables(self, name: str) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""
-        columns = (
-            column_of(self.parameter_name, self.parameter_unit, self.parameter),
-            column_of(f"amplitude of {self.output_name}", "m", self.amplitude),
-            column_of("frequency", "Hz", self.frequency_hz),
-            column_of("ridge", "", self.ridge + 1),
-            column_of("corner", "", self.is_corner),
-            column_of("pairs stuck", "", self.pairs_stuck),
-            column_of("pairs stick-slip", "", self.pairs_stick_slip),
-            column_of("pairs separating", "", self.pairs_separating),
-        )
-        yield Table(name, f"peaks against {self.parameter_name}, 0-to-peak", columns)
+        points = {key: getattr(self, key) for key in POINT_COLUMNS} | {"ridge": self.ridge + 1}
+        parameter = column_of(self.parameter_name, self.parameter_unit, self.parameter)
+        yield ridge_table(name, parameter, self.output_name, points)
 
     def closing_words(self, name: str) -> Iterator[str]:
         """See :class:`stickslip.results.part.ResultPart`."""
@@ -392,7 +380,12 @@ class PeakRidge(Labelled):
         yield from uncertain_line_words(top.parameter, error, named)
 
     def _place(self, at: Optimum) -> str:
-        return f"{1e6 * at.amplitude:.4g} µm at {at.frequency_hz:.2f} Hz, with {self._named(at.parameter)}"
+        where = f"{1e6 * at.amplitude:.4g} µm at {at.frequency_hz:.2f} Hz, with {self._named(at.parameter)}"
+        return where + self.words_on_error(at)
+
+    def words_on_error(self, at: Optimum) -> str:
+        """The estimated error of a minimum, to follow its amplitude; "" where nothing was estimated."""
+        return "" if self.estimated_error is None else error_words(self.grid, self.error_at, at.parameter)
 
     def _named(self, value: float) -> str:
         return f"{self.parameter_name} = {value:.4g} {self.parameter_unit}".rstrip()

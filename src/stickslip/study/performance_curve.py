@@ -18,13 +18,13 @@ from stickslip.core.errors import RoughnessError, StickslipError
 from stickslip.core.fourier import with_rows
 from stickslip.core.progress import Progress
 from stickslip.model.model import ReducedModel, load_joint
-from stickslip.results.checked_peak import DOUBTFUL
+from stickslip.results.checked_peak import DOUBTFUL, CheckedPeak
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.ridges.ridge_check import checked_peak
+from stickslip.solve.ridges.ridge_check import checked_minimum
 from stickslip.solve.ridges.ridge_map import LEAST_FRACTION, RidgeMap
-from stickslip.solve.ridges.ridge_stage import Work, more_than
+from stickslip.solve.ridges.ridge_stage import Work
 from stickslip.solve.ridges.ridge_walk import Pace
 from stickslip.solve.setting_up import StageReport
 from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
@@ -60,6 +60,8 @@ MOST_ITERATIONS = 8
 # chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
 # the line between the others more accurate.
 MOST_CURVES, REFINING = 8.0, 0.4
+# chosen: the same of the peaks that are followed from the whole curves at the minimum.
+CHECKING = 1.0
 # chosen: whole curves go beyond all linear peaks and ridges by this factor.
 AROUND = 1.03
 
@@ -138,8 +140,9 @@ def performance_curve(
     ridges.check_ends()
     work.most = work.done + REFINING * one_curve
     ridges.refine()
-    curve = ridges.result(KEY, "N", next(iter(model.outputs)))
-    curve = _with_check(curve, ridges, stages, pace.accuracy).over(excitation, NAME, "")
+    work.most = work.done + CHECKING * one_curve
+    check = checked_minimum(ridges, lambda value: stages(value, None), pace.accuracy)
+    curve = _with_check(ridges.result(KEY, "N", next(iter(model.outputs))), check).over(excitation, NAME, "")
     settings = {
         **curve.settings,
         "harmonics": options.harmonics,
@@ -156,21 +159,11 @@ def performance_curve(
     )
 
 
-def _with_check(curve: PeakRidge, ridges: RidgeMap, stages: CaseStages, accuracy: float) -> PeakRidge:
-    """The curve with a check of its lowest minimum at which pairs slip, by a whole curve with more harmonics; a warning
-    where that fails."""
-    minimum = curve.slipping_minimum
-    if minimum is None:
-        return curve
-    value = minimum.parameter
-    stages.report.stage(f"check at {value:.4g} N")
-    harmonics = ridges.harmonics_near(value, more_than(stages.options.harmonics))
-    stage = stages(value, None).with_harmonics(harmonics)
-    found = checked_peak(stage, value, accuracy, ridges.curve_window(value))
-    if isinstance(found, str):
-        why = f"The minimum at {value:.4g} N was not checked with more harmonics: {found}"
-        return replace(curve, warnings=(*curve.warnings, why))
-    return replace(curve, checked=(found,))
+def _with_check(curve: PeakRidge, check: CheckedPeak | str | None) -> PeakRidge:
+    """The curve with the check of its lowest minimum with slip; a warning where that failed."""
+    if isinstance(check, str):
+        return replace(curve, warnings=(*curve.warnings, f"The lowest minimum with slip was not checked: {check}"))
+    return curve if check is None else replace(curve, checked=(check,))
 
 
 def _beginning(start: float, lowest: float, wanted: float) -> tuple[str, ...]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import NamedTuple
+
 import pytest
 
 import stickslip as ss
@@ -9,7 +12,7 @@ from helpers import Blade
 from sentences import printed_sentence
 from stickslip.results.checked_peak import CheckedPeak
 from stickslip.solve.harmonic.peak import CurvePeak
-from stickslip.solve.ridges.ridge_check import MOST_HARMONICS, checked_peak
+from stickslip.solve.ridges.ridge_check import MOST_HARMONICS, checked_minimum, highest_of
 from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
 
@@ -42,13 +45,13 @@ def highest(harmonics: int) -> float:
 
 @pytest.mark.slow
 def test_a_check_has_the_peak_of_a_fine_curve_with_many_harmonics() -> None:
-    found = checked_peak(stage_of(3), 1.0, 1e-3, BLADE.window_hz)
-    assert isinstance(found, CheckedPeak)
+    stage = stage_of(3)
+    found, error = highest_of(stage, [peak_of(stage)], 1e-3)
     assert 3 <= found.harmonics <= MOST_HARMONICS
     many = highest(13)
     # The largest of the points of a curve is a little below its peak.
-    assert found.amplitude == pytest.approx(many, rel=found.error + 1e-3)
-    assert abs(highest(1) / many - 1.0) > found.error  # the ridge with one harmonic is worse
+    assert found.amplitude == pytest.approx(many, rel=error + 1e-3)
+    assert abs(highest(1) / many - 1.0) > error  # the ridge with one harmonic is worse
 
 
 @pytest.mark.slow
@@ -65,8 +68,80 @@ def test_the_estimated_error_of_a_peak_is_near_the_true_one() -> None:
     assert stage.refined(peak, 2e-3, 1)[0] is peak
 
 
-def test_a_check_without_a_peak_inside_gives_a_reason() -> None:
-    low = BLADE.window_hz[0], BLADE.window_hz[0] + 0.05 * (BLADE.window_hz[1] - BLADE.window_hz[0])
-    found = checked_peak(stage_of(3), 1.0, 1e-3, low)
-    assert isinstance(found, str)
-    printed_sentence(found)
+class Named(NamedTuple):
+    """A stand-in of a peak."""
+
+    amplitude: float
+    harmonics: int = 3
+
+
+class Stage:
+    """Stand-in equations: estimated errors by amplitude; more harmonics give the amplitude in ``fine``."""
+
+    def __init__(self, errors: dict[float, float], fine: dict[float, float]) -> None:
+        self.errors, self.fine = errors, fine
+
+    def with_harmonics(self, harmonics: int) -> Stage:
+        return self
+
+    def estimated_error(self, peak: Named) -> float:
+        return self.errors[peak.amplitude]
+
+    def refined(self, peak: Named, accuracy: float, most: int) -> tuple[Named, dict[int, float]]:
+        if self.errors[peak.amplitude] <= accuracy:
+            return peak, {peak.harmonics: self.errors[peak.amplitude]}
+        return Named(self.fine[peak.amplitude], most), {most: accuracy}
+
+
+def test_a_peak_that_could_be_as_high_has_more_harmonics_too() -> None:
+    stage = Stage({10.0: 0.001, 9.0: 0.2, 8.0: 0.02}, {9.0: 11.0})
+    best, error = highest_of(stage, [Named(8.0), Named(9.0), Named(10.0)], 0.01)  # type: ignore[list-item, arg-type]
+    assert (best.amplitude, best.harmonics) == (11.0, MOST_HARMONICS)
+    assert error == pytest.approx(0.01)
+    # One that is ruled out has no more harmonics (its stand-in has none), and no part in the error.
+    low = Stage({10.0: 0.001, 8.0: 0.02}, {})
+    assert highest_of(low, [Named(8.0), Named(10.0)], 0.01)[1] == 0.001  # type: ignore[list-item, arg-type]
+
+
+class Map:
+    """A stand-in of a ridge map, whose minimum moves along ``places`` with each whole curve."""
+
+    def __init__(self, places: list[float | None], seen: bool = True) -> None:
+        self.places, self.curves, self._seen = places, [], seen  # type: ignore[var-annotated]
+        self.verified: set[float] = set()
+
+    @property
+    def ridges(self) -> list[SimpleNamespace]:
+        points = [SimpleNamespace(parameter=each, peak=PEAK) for each in self.curves]
+        return [SimpleNamespace(points=points)]
+
+    def result(self, *names: str) -> SimpleNamespace:
+        place = self.places[min(len(self.curves), len(self.places) - 1)]
+        return SimpleNamespace(slipping_minimum=place and SimpleNamespace(parameter=place))
+
+    def add_curve(self, value: float) -> None:
+        self.curves.append(value)
+        if self._seen:
+            self.verified.add(value)
+
+
+PEAK = SimpleNamespace(amplitude=2.0, omega=1.0, harmonics=3)
+
+
+def checked(ridges: Map) -> CheckedPeak | str | None:
+    return checked_minimum(ridges, lambda value: Stage({2.0: 0.001}, {}), 0.01)  # type: ignore[arg-type, return-value]
+
+
+def test_a_whole_curve_follows_a_minimum_that_moves() -> None:
+    ridges = Map([1.0, 2.0, 2.005])
+    found = checked(ridges)
+    assert ridges.curves == [1.0, 2.0]
+    assert isinstance(found, CheckedPeak)
+    assert (found.parameter, found.amplitude, found.error) == (2.0, 2.0, 0.001)
+
+
+def test_a_minimum_that_is_not_known_has_a_reason() -> None:
+    assert checked(Map([None])) is None
+    for reason in (checked(Map([1.0, 2.0, 3.0, 4.0])), checked(Map([1.0], seen=False))):
+        assert isinstance(reason, str)
+        printed_sentence(reason)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from stickslip.solve.ridges.ridge_coverage import is_enclosed_below, merged, middle_of_gap
+from stickslip.solve.ridges.ridge_coverage import is_enclosed_below, merged, middle_of_gap, passes_through
 
 LOADS = np.array([10.0, 20.0, 40.0, 80.0])
 
@@ -34,3 +36,16 @@ def test_a_stuck_node_of_the_excitation_encloses_nothing() -> None:
     assert is_enclosed_below(LOADS, highest, np.zeros(4, dtype=bool))
     assert not is_enclosed_below(LOADS, highest, np.array([False, False, True, False]))
     assert is_enclosed_below(LOADS, highest, np.ones(4, dtype=bool))
+
+
+def test_a_ridge_passes_through_a_point_within_its_estimated_error() -> None:
+    """Two searches of one flat peak in gross slip, with other harmonics: 3 % apart in amplitude, 0.1 % in frequency."""
+
+    def point(load: float, amplitude: float, omega: float, error: float) -> SimpleNamespace:
+        peak = SimpleNamespace(amplitude=amplitude, omega=omega)
+        return SimpleNamespace(parameter=load, peak=peak, estimates={5: error}, harmonics=5)
+
+    ridge = [point(load, 1.0, 100.0, 0.0) for load in LOADS]
+    assert passes_through(ridge, point(15.0, 1.03, 100.1, 0.04))  # type: ignore[arg-type]
+    assert not passes_through(ridge, point(15.0, 1.03, 100.1, 0.001))  # type: ignore[arg-type]
+    assert not passes_through(ridge, point(15.0, 1.03, 101.0, 0.04))  # type: ignore[arg-type]

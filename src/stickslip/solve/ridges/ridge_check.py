@@ -1,50 +1,73 @@
-"""The highest peak at one value of the parameter of a ridge, from a whole curve with more harmonics than the ridge."""
+"""The lowest minimum with slip of the highest peaks, made certain by whole curves, and its peak with more harmonics."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
-import numpy as np
-
-from stickslip.core.errors import ConvergenceError
 from stickslip.results.checked_peak import CheckedPeak
-from stickslip.results.peaks import peaks
+from stickslip.solve.harmonic.peak import CurvePeak
+from stickslip.solve.ridges.ridge_map import RidgeMap
 from stickslip.solve.ridges.ridge_stage import RidgeStage
 
-# chosen: peaks with at least this fraction of the highest one could be the highest; estimates of errors are smaller.
-NEAR_HIGHEST = 0.8
 # chosen: most harmonics of a check. A peak that needs more has an error that the check reports.
 MOST_HARMONICS = 9
+# chosen: a minimum moves when a whole curve shows a peak that no ridge had; so many curves follow it.
+MOST_CURVES = 3
+# chosen: a minimum that moves by less, relative, is at its place: the distance of the grid of a ridge.
+SAME_PLACE = 0.01
 
 
-def checked_peak(stage: RidgeStage, value: float, accuracy: float, window: tuple[float, float]) -> CheckedPeak | str:
-    """The highest peak at a ``value`` of the parameter, or why it is not known.
+def checked_minimum(
+    ridges: RidgeMap, stage_at: Callable[[float], RidgeStage], accuracy: float
+) -> CheckedPeak | str | None:
+    """The highest peak at the lowest minimum with slip: why it is not known, None without such a minimum.
 
-    ``stage`` gives the equations there, with the harmonics of the whole curve over a ``window`` in Hz. Its highest peak
-    has more, until its estimated error is below the ``accuracy`` or ``MOST_HARMONICS`` are reached. Raises InputError.
+    A whole curve at the minimum shows peaks that no ridge has. They are followed, and the next curve is at the minimum
+    that remains. The highest peak has more harmonics, until its estimated error is below the ``accuracy`` or
+    ``MOST_HARMONICS`` are reached, and so have peaks that could be as high. Raises InputError.
     """
-    try:
-        branch = stage.whole_curve(window)
-    except ConvergenceError as failure:
-        return str(failure)
-    if not branch.complete:
-        return f"its frequency curve is not complete. {branch.message}"
-    points = [each.point for each in branch.points]
-    hertz = np.array([point.trial.omega for point in points]) / (2.0 * math.pi)
-    found = peaks(hertz, stage.amplitude(points))
-    if not found[0].bracketed:
-        return f"its largest amplitude is at an end of the frequency range, {found[0].frequency_hz:.2f} Hz."
-    tops = []
-    for top in found:
-        if top.bracketed and top.amplitude >= NEAR_HIGHEST * found[0].amplitude:
-            peak = stage.search.from_point(points[top.point])
-            if isinstance(peak, str):
-                return f"its peak at {top.frequency_hz:.2f} Hz was not found: {peak}."
-            tops.append((peak, stage.estimated_error(peak)))
-    tops.sort(key=lambda each: -each[0].amplitude)
-    refined, errors = stage.refined(tops[0][0], accuracy, MOST_HARMONICS)
-    tops[0] = refined, errors[refined.harmonics]
-    best, error = max(tops, key=lambda each: each[0].amplitude)
-    highest = max(peak.amplitude * (1.0 + wrong) for peak, wrong in tops)
-    error = max(error, highest / best.amplitude - 1.0)
+    value = None
+    for _ in range(MOST_CURVES):
+        minimum = _minimum(ridges)
+        if minimum is None:
+            return None
+        if value is not None and abs(math.log(minimum / value)) < SAME_PLACE:
+            break
+        value = minimum
+        ridges.add_curve(value)
+        if value not in ridges.verified:
+            return "the whole curve there shows no peak that could be followed."
+    minimum = _minimum(ridges)
+    if minimum is None or value is None or abs(math.log(minimum / value)) >= SAME_PLACE:
+        return f"it moved with each of {MOST_CURVES} whole curves."
+    best, error = highest_of(stage_at(value), _peaks_at(ridges, value), accuracy)
     return CheckedPeak(value, best.amplitude, best.omega / (2.0 * math.pi), error, best.harmonics)
+
+
+def _minimum(ridges: RidgeMap) -> float | None:
+    """The place of the lowest minimum with slip."""
+    minimum = ridges.result("parameter", "", "").slipping_minimum
+    return None if minimum is None else minimum.parameter
+
+
+def _peaks_at(ridges: RidgeMap, value: float) -> list[CurvePeak]:
+    """The peaks at a value of a whole curve, which are points of ridges."""
+    return [each.peak for ridge in ridges.ridges for each in ridge.points if each.parameter == value]
+
+
+def highest_of(stage: RidgeStage, peaks: Sequence[CurvePeak], accuracy: float) -> tuple[CurvePeak, float]:
+    """The highest of some peaks, and its estimated error, with that of others which could be as high.
+
+    The highest peak has more harmonics, and so has each other one whose error does not rule it out.
+    """
+    known: list[tuple[CurvePeak, float]] = []
+    for peak in sorted(peaks, key=lambda each: -each.amplitude):
+        own = stage.with_harmonics(peak.harmonics)
+        highest = max((other.amplitude for other, _ in known), default=0.0)
+        if peak.amplitude * (1.0 + own.estimated_error(peak)) > highest:
+            refined, errors = own.refined(peak, accuracy, MOST_HARMONICS)
+            known.append((refined, errors[refined.harmonics]))
+    best, error = max(known, key=lambda each: each[0].amplitude)
+    possible = max(peak.amplitude * (1.0 + wrong) for peak, wrong in known)
+    return best, max(error, possible / best.amplitude - 1.0)

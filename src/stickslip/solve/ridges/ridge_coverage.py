@@ -23,8 +23,9 @@ ENCLOSED = 2.5
 GAP = 1.03
 
 # chosen: a point is on another ridge if its frequency and its amplitude agree so far with those interpolated there,
-# which are up to 1 % off in amplitude.
-JOINED_FREQUENCY, JOINED_AMPLITUDE = 1e-4, 1e-2
+# which are up to 1 % off in amplitude. Neglected harmonics move both: the amplitude by the estimated error, the
+# frequency of a flat peak by this fraction of it.
+JOINED_FREQUENCY, JOINED_AMPLITUDE, FREQUENCY_ERROR = 1e-4, 1e-2, 0.05
 
 # chosen: two peaks at one value of the parameter are one if their amplitudes agree so far, and their motions (mass
 # norm): a peak has an error of 1e-4 at most, and its motion turns by a few hundredths of a radian over this rise. With
@@ -93,9 +94,12 @@ def passes_through(points: Sequence[RidgePoint], point: RidgePoint) -> bool:
         return False
     amplitude = np.log([each.peak.amplitude for each in points])
     omega = np.log([each.peak.omega for each in points])
+    error = point.estimates.get(point.harmonics, 0.0)
     return bool(
-        abs(log_interpolated(places, omega, at)[0] - math.log(point.peak.omega)) < JOINED_FREQUENCY
-        and abs(log_interpolated(places, amplitude, at)[0] - math.log(point.peak.amplitude)) < JOINED_AMPLITUDE
+        abs(log_interpolated(places, omega, at)[0] - math.log(point.peak.omega))
+        < max(JOINED_FREQUENCY, FREQUENCY_ERROR * error)
+        and abs(log_interpolated(places, amplitude, at)[0] - math.log(point.peak.amplitude))
+        < max(JOINED_AMPLITUDE, error)
     )
 
 

@@ -226,7 +226,7 @@ def follow(
         leaps = 0
         assert not isinstance(stage, str)  # it has a point
         points.append(pace.resolved(after, stage, points))
-        if reason := is_needless(after):
+        if reason := is_needless(points[-1]):
             return points[1:], reason
         # The error of a polynomial of n points grows with the n-th power of the step.
         factor = (pace.wanted_error / max(error, 1e-12)) ** (1.0 / min(len(points), PREDICTED_FROM))
