@@ -345,11 +345,12 @@ class CyclicCase(SolidCase):
                 "is missing. Give this section with engine_order, the number of waves round the disk.",
             )
         yield from frd_errors(self.output, "a sector of a disk")
-        yield from sector_errors(self.analysis, self.preload, self.damping, self.static_loads, self.unbalance)
+        yield from sector_errors(self.analysis, self.damping, self.unbalance)
         if self.mistuning is not None:
             has_coriolis = self.rotation is not None and self.rotation.coriolis
             yield from mistuning_errors(self.mistuning, self.damping, self.forces, self.interfaces, has_coriolis)
-        yield from self._own_misfits((), {"forces": self.forces}, has_areas=True)
+        loads = tuple(name for name in ("rotation", "static_loads") if getattr(self, name))
+        yield from self._own_misfits(loads, {"forces": self.forces}, has_areas=True)
 
 
 class MatrixCase(OwnCase):

@@ -10,15 +10,11 @@ from stickslip.case.consistency import EntryError
 from stickslip.case.cyclic_sections import MistuningSection
 from stickslip.case.interface_sections import InterfaceSection
 from stickslip.case.own_sections import ForceSection
-from stickslip.case.sections import DampingSection, PreloadSection
+from stickslip.case.sections import DampingSection
 
 
 def sector_errors(
-    analysis: AnalysisSection,
-    preload: PreloadSection,
-    damping: DampingSection,
-    static_loads: Mapping[str, Any],
-    unbalance: Mapping[str, Any],
+    analysis: AnalysisSection, damping: DampingSection, unbalance: Mapping[str, Any]
 ) -> Iterator[EntryError]:
     """What is not computed for a sector of a disk, and damping that is missing."""
     full = "is not computed for a sector of a disk"
@@ -31,14 +27,8 @@ def sector_errors(
     for key in ("traction_band", "search", "gradients"):
         if getattr(analysis, key):
             yield EntryError(("analysis", key), f"is true, but this {full}. Set it to false.")
-    if preload.method == "solved":
-        yield EntryError(
-            ("preload", "method"),
-            f'is "solved", which {full}. Use "prescribed" with normal_load of each interface.',
-        )
-    for section, entries in (("static_loads", static_loads), ("unbalance", unbalance)):
-        if entries:
-            yield EntryError((section,), f"{full}: its loads would have to be alike in all sectors. Remove it.")
+    if unbalance:
+        yield EntryError(("unbalance",), f"{full}: its force would have to be alike in all sectors. Remove it.")
     if not any((damping.modal_damping_ratio, damping.rayleigh_alpha, damping.rayleigh_beta)):
         yield EntryError(
             ("damping", "modal_damping_ratio"),

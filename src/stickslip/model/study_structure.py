@@ -289,7 +289,10 @@ class _Sector:
         if layout.blade_nodes is not None:
             with concerning("mistuning.blade"):
                 blade = self.sector.blade(reduced, layout.blade_nodes)
-        return ReducedStructure(reduced, rows, blade=blade)
+        loads = {
+            name: _on_first_sector(self.sector.reduced_load(reduced, each)) for name, each in layout.unit_loads.items()
+        }
+        return ReducedStructure(reduced, rows, loads, blade=blade)
 
     def stuck_frequencies(
         self, pairs: FacePairs, springs: FloatArray, wave: TravellingWave | None, count: int
@@ -317,3 +320,8 @@ def _sector_rows(sector: CyclicSector, node_group: NodeGroup) -> FloatArray:
     for node, is_ahead, weight in zip(home, ahead, node_group.weights, strict=True):
         rows += weight * np.array([sector.selector(int(node), axis, of_next=bool(is_ahead)) for axis in np.eye(3)])
     return rows
+
+
+def _on_first_sector(load: FloatArray) -> FloatArray:
+    """(2n, k) forces on the unknowns of this sector and of the next one, from those (n, k) on this one."""
+    return np.vstack([load, np.zeros_like(load)])

@@ -94,6 +94,25 @@ class SectorStructure:
             answer[:, 2 * order - 1], answer[:, 2 * order] = moved.real, -moved.imag
         return answer
 
+    def reduced_load(self, sector: CyclicSector, load: FloatArray) -> FloatArray:
+        """Forces (n, k) on the unknowns of ``sector`` in motions alike in all sectors, from those (3 * n_nodes, k) N on
+        the nodes of this one: ``T^T load`` of nodal diameter 0.
+
+        Raises InputError for a sector without fixed-interface modes.
+        """
+        modes = sector.diameters[0].modes
+        if modes is None:
+            raise InputError("a load requires a sector with fixed-interface modes.", arguments=["sector"])
+        stiffness, (boundary, interior) = self.model.at(0, sector.sectors)[0], self._partition(sector)
+        free = self._displacements(1.0).real.T @ load
+        static = factorize(stiffness[interior][:, interior]).solve(free[interior])
+        return np.vstack([free[boundary] - stiffness[boundary][:, interior] @ static, modes.T @ free[interior]])
+
+    def _partition(self, sector: CyclicSector) -> tuple[IntArray, IntArray]:
+        """Positions among the unknowns of :attr:`model` of those of the boundary nodes, in their order, and others."""
+        boundary = np.searchsorted(self.model.remaining, self.structure.unknowns_of(sector.boundary_nodes).ravel())
+        return boundary, np.setdiff1d(np.arange(self.model.remaining.size), boundary)
+
     def _recovered(self, sector: CyclicSector, unknowns: Any, waves: int) -> Any:
         """(3 * n_nodes,) complex displacements of unknowns (n,) in a wave; the other direction is the conjugate one."""
         diameter = folded(waves, sector.sectors)
@@ -106,8 +125,7 @@ class SectorStructure:
                 arguments=["sector"],
             )
         stiffness = self.model.at(diameter, sector.sectors)[0]
-        boundary = np.searchsorted(self.model.remaining, self.structure.unknowns_of(sector.boundary_nodes).ravel())
-        interior = np.setdiff1d(np.arange(self.model.remaining.size), boundary)
+        boundary, interior = self._partition(sector)
         free = np.zeros(self.model.remaining.size, dtype=complex)
         free[boundary] = unknowns[: boundary.size]
         factor = factorize(stiffness[interior][:, interior])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
 from stickslip.core.errors import InputError, keys_of_section
 from stickslip.core.plausible import suspecting
+from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.model.kinds.bladed_disk_mesh import LEFT, RIGHT, BladedDisk
 from stickslip.model.kinds.body_materials import body_materials
@@ -42,6 +43,7 @@ from stickslip.model.rotation import (
     speed_messages,
 )
 from stickslip.solve.excitation import TravellingWave
+from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Hexahedron, Material
 from stickslip.structure.mesh import IntArray, Mesh
@@ -139,6 +141,7 @@ class CyclicKind(OwnKind[CyclicCase]):
             notes=source.messages,
             body_names=mesh.body_names,
             blade_nodes=blade,
+            unit_loads=_unit_loads(case, mesh, materials, symmetry),
         )
         element: Hexahedron = "incompatible"
         if isinstance(section, SectorMeshSection) and section.element is not None:
@@ -179,12 +182,32 @@ class CyclicKind(OwnKind[CyclicCase]):
 
     def warnings(self, case: CyclicCase) -> tuple[str, ...]:
         """What a rotation does not change."""
-        return tuple(speed_messages(self.rotation_speed(case), False, _has_coriolis(case), ADD_CORIOLIS))
+        solved = case.preload.method == "solved"
+        return tuple(speed_messages(self.rotation_speed(case), solved, _has_coriolis(case), ADD_CORIOLIS))
+
+    def load_sizes(self, case: CyclicCase) -> Mapping[str, tuple[float, ...]]:
+        """The square of the speed in 1/s2, for the centrifugal load of a solved preload."""
+        if case.rotation is None or case.preload.method == "prescribed":
+            return {}
+        return {"rotation": (case.rotation.speed**2,)}
+
+    def _distributed_words(self, case: CyclicCase) -> list[str]:
+        speed = self.rotation_speed(case)
+        return [f"rotation at {speed:g} rad/s"] if speed else []
 
     def _excitation_words(self, case: CyclicCase) -> list[str]:
         wave = self.wave(case)
         forces = super()._excitation_words(case)
         return [f"{wave.direction.capitalize()} wave of engine order {wave.engine_order}: {' and '.join(forces)}"]
+
+
+def _unit_loads(
+    case: CyclicCase, mesh: Mesh, materials: Sequence[Material], symmetry: CyclicSymmetry
+) -> dict[str, FloatArray]:
+    """The centrifugal load (3 * n_nodes, 1) N of this sector at 1 rad/s, if it rotates."""
+    if case.rotation is None:
+        return {}
+    return {"rotation": centrifugal_load(mesh, materials, symmetry.direction, symmetry.point)[:, None]}
 
 
 def _has_coriolis(case: CyclicCase) -> bool:
