@@ -345,10 +345,10 @@ class CyclicCase(SolidCase):
                 "is missing. Give this section with engine_order, the number of waves round the disk.",
             )
         yield from frd_errors(self.output, "a sector of a disk")
+        yield from rotation_errors(self.rotation, self.analysis)
         yield from sector_errors(self.analysis, self.damping, self.unbalance)
         if self.mistuning is not None:
-            has_coriolis = self.rotation is not None and self.rotation.coriolis
-            yield from mistuning_errors(self.mistuning, self.damping, self.forces, self.interfaces, has_coriolis)
+            yield from mistuning_errors(self.mistuning, self.damping, self.forces, self.interfaces, self.rotation)
         loads = tuple(name for name in ("rotation", "static_loads") if getattr(self, name))
         yield from self._own_misfits(loads, {"forces": self.forces}, has_areas=True)
 

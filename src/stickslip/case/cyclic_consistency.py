@@ -9,7 +9,7 @@ from stickslip.case.analysis import AnalysisSection, ForcedAnalysis
 from stickslip.case.consistency import EntryError
 from stickslip.case.cyclic_sections import MistuningSection
 from stickslip.case.interface_sections import InterfaceSection
-from stickslip.case.own_sections import ForceSection
+from stickslip.case.own_sections import ForceSection, SectorRotationSection
 from stickslip.case.sections import DampingSection
 
 
@@ -41,7 +41,7 @@ def mistuning_errors(
     damping: DampingSection,
     forces: Mapping[str, ForceSection],
     interfaces: Mapping[str, InterfaceSection],
-    has_coriolis: bool,
+    rotation: SectorRotationSection | None,
 ) -> Iterator[EntryError]:
     """What a mistuned disk cannot have."""
     if mistuning.damper_loads is not None:
@@ -57,7 +57,13 @@ def mistuning_errors(
                     ("interfaces", name, "law"),
                     f'is "{interface.other_law}", but mistuning.damper_loads requires Coulomb friction. Remove one.',
                 )
-    if has_coriolis:
+    if rotation is not None and rotation.top_speed is not None:
+        yield EntryError(
+            ("rotation", "top_speed"),
+            "gives one reduction for several speeds, but the blades alone of [mistuning] are those of one speed. "
+            "Remove one of the two.",
+        )
+    if rotation is not None and rotation.coriolis:
         yield EntryError(
             ("rotation", "coriolis"),
             "is true, but amplification factors of [mistuning] do not contain Coriolis forces. Set it to false.",

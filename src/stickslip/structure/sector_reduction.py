@@ -80,19 +80,8 @@ def cyclic_sector(
     """
     nodes = checked_boundary(boundary_nodes)
     require_mesh_of(structure.mesh, symmetry)
-    followers = np.isin(nodes, symmetry.right)
-    if followers.any():
-        node = int(nodes[followers][0])
-        symmetry.homes(nodes)  # of tied boundaries it has no partner
-        partner = int(symmetry.left[symmetry.right == node][0])
-        raise InputError(
-            f"boundary_nodes names node {node} of the right boundary ({int(followers.sum())} such nodes), which is "
-            f"node {partner} of the left boundary in the next sector. Name node {partner}, or faces off the boundary.",
-            arguments=["boundary_nodes"],
-        )
-    wanted = range(symmetry.sectors // 2 + 1) if diameters is None else sorted(set(diameters))
-    for diameter in wanted:
-        require_diameter(diameter, symmetry.sectors)
+    require_own_nodes(symmetry, nodes)
+    wanted = checked_diameters(symmetry, diameters)
     model = lagged_model(structure, symmetry, gyroscopic)
     boundary = np.searchsorted(model.remaining, structure.unknowns_of(nodes).ravel())
     interior = np.setdiff1d(np.arange(model.remaining.size), boundary)
@@ -107,6 +96,28 @@ def cyclic_sector(
             part = reduced_matrices(matrices, node_of, boundary, interior, n_modes, backend, threads, listener, whirl)
             reduced[diameter] = _hermitian(part)
     return CyclicSector(symmetry.sectors, reduced, nodes, structure.mesh.points[nodes], symmetry)
+
+
+def require_own_nodes(symmetry: CyclicSymmetry, nodes: IntArray) -> None:
+    """Raise InputError for boundary nodes of a reduction on the right boundary of the sector."""
+    followers = np.isin(nodes, symmetry.right)
+    if followers.any():
+        node = int(nodes[followers][0])
+        symmetry.homes(nodes)  # of tied boundaries it has no partner
+        partner = int(symmetry.left[symmetry.right == node][0])
+        raise InputError(
+            f"boundary_nodes names node {node} of the right boundary ({int(followers.sum())} such nodes), which is "
+            f"node {partner} of the left boundary in the next sector. Name node {partner}, or faces off the boundary.",
+            arguments=["boundary_nodes"],
+        )
+
+
+def checked_diameters(symmetry: CyclicSymmetry, diameters: Sequence[int] | None) -> Sequence[int]:
+    """The nodal diameters of a reduction, rising; all by default. Raises InputError for one that does not exist."""
+    wanted = range(symmetry.sectors // 2 + 1) if diameters is None else sorted(set(diameters))
+    for diameter in wanted:
+        require_diameter(diameter, symmetry.sectors)
+    return wanted
 
 
 def sector_frequencies(
@@ -165,13 +176,22 @@ def constant_motion(
     require_mesh_of(structure.mesh, symmetry)
     model = lagged_model(structure, symmetry)
     left, right, rotation = boundary_unknowns(structure, symmetry)
-    folded = load.copy()
-    folded[left] += rotation.T @ load[right]
     motion = np.zeros(load.shape)
     stiffness = model.stiffness.at(0, symmetry.sectors)
-    motion[model.remaining] = factorize(stiffness, backend).solve(folded[model.remaining])
+    motion[model.remaining] = factorize(stiffness, backend).solve(
+        folded_load(structure, symmetry, load)[model.remaining]
+    )
     motion[right] = rotation @ motion[left]
     return motion
+
+
+def folded_load(structure: FullModel, symmetry: CyclicSymmetry, load: FloatArray) -> FloatArray:
+    """(n_free, ...) N of a load (n_free, ...) that is alike in all sectors, with that of the right boundary on the left
+    one. Raises InputError, see :func:`lagged_model`."""
+    left, right, rotation = boundary_unknowns(structure, symmetry)
+    folded = load.copy()
+    folded[left] += rotation.T @ load[right]
+    return folded
 
 
 def lagged_model(structure: FullModel, symmetry: CyclicSymmetry, gyroscopic: Any = None) -> LaggedModel:

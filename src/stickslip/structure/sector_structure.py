@@ -21,20 +21,33 @@ from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import factorize
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.phase_lag import LaggedModel
+from stickslip.structure.rotating import RotatingStructure
 from stickslip.structure.sector_reduction import cyclic_sector, lagged_model
 from stickslip.structure.superelement import PairsOfNodes
+
+
+@dataclass(frozen=True)
+class RangeOfSpeeds:
+    """All speeds up to ``top_rpm`` of a rotating sector, of which ``speed_rpm`` is that of the study."""
+
+    rotor: RotatingStructure
+    top_rpm: float
+    speed_rpm: float
+    coriolis: bool
 
 
 @dataclass(frozen=True)
 class SectorStructure:
     """The structure of one sector with both its boundaries, and how it continues in the next sector.
 
-    ``gyroscopic`` csr (n_free, n_free) N s/m are its Coriolis forces, or None.
+    ``gyroscopic`` csr (n_free, n_free) N s/m are its Coriolis forces, or None. ``speeds`` are those of one reduction,
+    whose constraint modes are those of the structure at rest; None for a reduction of this structure alone.
     """
 
     structure: Structure
     symmetry: CyclicSymmetry
     gyroscopic: Any = None
+    speeds: RangeOfSpeeds | None = None
 
     @property
     def mesh(self) -> Mesh:
@@ -45,6 +58,11 @@ class SectorStructure:
     def model(self) -> LaggedModel:
         """The matrices for any phase lag. Raises InputError, see :func:`lagged_model`."""
         return lagged_model(self.structure, self.symmetry, self.gyroscopic)
+
+    @cached_property
+    def _reduced_model(self) -> LaggedModel:
+        """The matrices whose constraint modes the reduction has."""
+        return self.model if self.speeds is None else lagged_model(self.speeds.rotor.structure, self.symmetry)
 
     def reduced(
         self, nodes: IntArray, n_modes: int, threads: int = 1, progress: ProgressCallback | None = None
@@ -103,7 +121,7 @@ class SectorStructure:
         modes = sector.diameters[0].modes
         if modes is None:
             raise InputError("a load requires a sector with fixed-interface modes.", arguments=["sector"])
-        stiffness, (boundary, interior) = self.model.at(0, sector.sectors)[0], self._partition(sector)
+        stiffness, (boundary, interior) = self._reduced_model.at(0, sector.sectors)[0], self._partition(sector)
         free = self._displacements(1.0).real.T @ load
         static = factorize(stiffness[interior][:, interior]).solve(free[interior])
         return np.vstack([free[boundary] - stiffness[boundary][:, interior] @ static, modes.T @ free[interior]])
@@ -124,7 +142,7 @@ class SectorStructure:
                 "the motion of the mesh requires a sector with fixed-interface modes, such as that of cyclic_sector.",
                 arguments=["sector"],
             )
-        stiffness = self.model.at(diameter, sector.sectors)[0]
+        stiffness = self._reduced_model.at(diameter, sector.sectors)[0]
         boundary, interior = self._partition(sector)
         free = np.zeros(self.model.remaining.size, dtype=complex)
         free[boundary] = unknowns[: boundary.size]

@@ -38,7 +38,7 @@ from stickslip.model.overlap import require_single_joints
 from stickslip.model.rotation import (
     ADD_CORIOLIS,
     free_body_messages,
-    rotating_sector,
+    sector_at_speed,
     speed_facts,
     speed_messages,
 )
@@ -80,6 +80,7 @@ class CyclicSetup:
     symmetry: CyclicSymmetry
     speed: float = 0.0  # rad/s
     coriolis: bool = False
+    top_speed: float | None = None  # rad/s, of one reduction for several speeds
 
     @property
     def layout(self) -> Layout:
@@ -93,7 +94,9 @@ class CyclicSetup:
         with keys_of_section("structure"):
             sector = SectorStructure(structure, self.symmetry)
             _ = sector.model  # its constraints are those of both boundaries
-        return sector if not self.speed else rotating_sector(sector, self.speed, self.coriolis)
+        if not (self.speed or self.top_speed):
+            return sector
+        return sector_at_speed(sector, self.speed, self.coriolis, self.top_speed)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """The sizes of the sector, and the disk."""
@@ -147,7 +150,8 @@ class CyclicKind(OwnKind[CyclicCase]):
         if isinstance(section, SectorMeshSection) and section.element is not None:
             element = section.element
         sector = MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values()))
-        return CyclicSetup(sector, symmetry, self.rotation_speed(case), _has_coriolis(case))
+        top_speed = None if case.rotation is None else case.rotation.top_speed
+        return CyclicSetup(sector, symmetry, self.rotation_speed(case), _has_coriolis(case), top_speed)
 
     def find_layout(self, case: CyclicCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the sector; ``mesh`` must be that of :func:`set_up`."""
