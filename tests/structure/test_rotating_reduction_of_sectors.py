@@ -21,8 +21,8 @@ def rotor() -> Any:
     inner = np.flatnonzero(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) < 0.0501)
     disk = ss.assemble(mesh, ss.Material(200e9, 0.33, 7850.0), fixed_nodes=inner)
     angle = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
-    ends = (np.flatnonzero(np.abs(angle - each) < 1e-9) for each in (0.0, 2.0 * np.pi / SECTORS))
-    symmetry = ss.cyclic_symmetry(mesh.points, *ends)
+    left, right = (np.flatnonzero(np.abs(angle - each) < 1e-9) for each in (0.0, 2.0 * np.pi / SECTORS))
+    symmetry = ss.cyclic_symmetry(mesh.points, left, right)
     return ss.rotating(disk, AXIS, symmetry=symmetry)
 
 

@@ -297,6 +297,7 @@ class SolidCase(OwnCase):
 
     bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
     interfaces: dict[Name, MeshInterfaceSection] = Field(default={}, description=MeshInterfaceSection.__doc__)
+    ties: dict[Name, TieSection] = Field(default={}, description=TieSection.__doc__)
 
 
 class MeshCase(SolidCase):
@@ -306,7 +307,6 @@ class MeshCase(SolidCase):
     """
 
     structure: MeshStructureSection
-    ties: dict[Name, TieSection] = Field(default={}, description=TieSection.__doc__)
     base_motion: BaseMotion | None = None
     pressures: dict[Name, PressureSection] = Field(default={}, description=PressureSection.__doc__)
     gravity: GravitySection | None = Field(default=None, description=GravitySection.__doc__)

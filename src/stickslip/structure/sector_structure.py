@@ -20,9 +20,9 @@ from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import factorize
 from stickslip.structure.mesh import IntArray, Mesh
-from stickslip.structure.phase_lag import LaggedModel
+from stickslip.structure.phase_lag import LaggedModel, lagged_unknowns
 from stickslip.structure.rotating import RotatingStructure
-from stickslip.structure.sector_reduction import cyclic_sector, lagged_model
+from stickslip.structure.sector_reduction import boundary_unknowns, cyclic_sector, lagged_model
 from stickslip.structure.superelement import PairsOfNodes
 
 
@@ -161,12 +161,7 @@ class SectorStructure:
     def _displacements(self, lag: complex) -> Any:
         """csr (3 * n_nodes, n) complex: displacements of the mesh from the unknowns of the model, with the lag to the
         next sector. The right boundary is ``lag`` times what it follows on the left one."""
-        size, remaining = self.structure.full_size, self.structure.free_unknowns[self.model.remaining]
-        here = scipy.sparse.csr_matrix(
-            (np.ones(remaining.size), (remaining, np.arange(remaining.size))), shape=(size, remaining.size)
-        )
-        left, right = (
-            (3 * nodes[:, None] + np.arange(3)).ravel() for nodes in (self.symmetry.left, self.symmetry.right)
-        )
-        ahead = scipy.sparse.csr_matrix((np.ones(right.size), (right, np.arange(right.size))), shape=(size, right.size))
-        return (here + lag * (ahead @ (self.symmetry.following() @ here[left]))).tocsr()
+        structure = self.structure
+        _, here, ahead = lagged_unknowns(structure.stiffness.shape[0], *boundary_unknowns(structure, self.symmetry))
+        every = structure.of_unknowns(scipy.sparse.identity(structure.full_size, format="csr"))
+        return (every @ (here + lag * ahead)).tocsr()

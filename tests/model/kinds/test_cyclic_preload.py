@@ -67,7 +67,7 @@ def test_the_state_at_rest_is_that_of_the_full_ring(residual: str) -> None:
     np.testing.assert_allclose(layout.unit_loads["rotation"][:, 0], rotor.load, rtol=0.0, atol=1e-9 * rotor.load.max())
     joint = model.joint
     springs = (np.tile(each, 6) for each in (joint.normal_stiffness, joint.tangential_stiffness))
-    touching = ss.ContactPairs(superelement.operator(pairs), *springs, 0.3, 0.0)
+    touching = ss.ContactPairs(superelement.operator(pairs), *springs, friction_coefficient=0.3, normal_load=0.0)
     speed = 3000.0 * np.pi / 30.0
     state = ss.static_preload(superelement, touching, speed**2 * load[:, 0], friction=residual == "kept")
     largest = state.normal_force.max()
@@ -90,14 +90,15 @@ def test_normal_loads_grow_with_the_square_of_the_speed() -> None:
         at_one = setup.layout.unit_loads["rotation"].reshape(-1, 3)[mesh.nodes_of_body(1)].sum(axis=0)
         expected = (speed_rpm * np.pi / 30.0) ** 2 * at_one
         assert np.linalg.norm(expected) > 50.0
-        np.testing.assert_allclose(force_on_damper(model, mesh), expected, atol=1e-9 * np.linalg.norm(expected))
+        np.testing.assert_allclose(force_on_damper(model, mesh), expected, atol=1e-9 * float(np.linalg.norm(expected)))
 
 
 @pytest.mark.slow
 def test_a_constant_force_on_each_damper_adds_to_the_rotation() -> None:
     push = {"push": {"set": "damper middle", "direction": [1, 0, 0], "force": "100 N"}}
     forces = []
-    for loads in ({}, {"static_loads": push}):
+    sections: list[dict[str, Any]] = [{}, {"static_loads": push}]
+    for loads in sections:
         case = disk(**loads)
         setup = set_up(case)
         assert isinstance(setup, CyclicSetup)

@@ -66,10 +66,10 @@ def test_the_motion_and_the_curve_of_a_study_with_one_reduction() -> None:
     both = [solve_case(disk(6000.0, rotation=each)) for each in (turning, {"speed": "6000 rpm"})]
     peaks = [each.response.amplitude(each.model.outputs["tip"]).max() for each in both]
     assert peaks[0] == pytest.approx(peaks[1], rel=5e-3)
-    motions = [each.motion for each in both]
-    assert motions[0] is not None
-    assert motions[1] is not None
-    sizes = [np.abs(each.displacement).max() for each in motions]
+    sizes = []
+    for each in both:
+        assert each.motion is not None
+        sizes.append(np.abs(each.motion.displacement).max())
     assert sizes[0] == pytest.approx(sizes[1], rel=1e-2)
 
 

@@ -29,10 +29,10 @@ from stickslip.model.kinds.mesh import (
     pairing_of,
     read_source,
 )
-from stickslip.model.kinds.mesh_places import node_groups_of
 from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.mistuning import blade_nodes
 from stickslip.model.kinds.own import OwnKind
+from stickslip.model.kinds.sector_ties import tied_sector
 from stickslip.model.layout import Derived, Layout, NodeGroup
 from stickslip.model.overlap import require_single_joints
 from stickslip.model.rotation import (
@@ -124,22 +124,23 @@ class CyclicKind(OwnKind[CyclicCase]):
         odd_values = tuple(model_oddities(mesh, dict(zip(mesh.body_names, materials, strict=True))))
         with suspecting(odd_values):
             symmetry = _symmetry(section, mesh)
-            _require_no_equations(source)
             _require_own_sector(mesh, symmetry, source)
             fixed = fixed_unknowns_of(_fixed(section), source)
             both = with_next_sector(mesh, symmetry)
             pairings = {name: pairing_of(both, name, each) for name, each in case.interfaces.items()}
             require_single_joints(both, case.interfaces)
-            groups = node_groups_of(case, source)
+            tied = tied_sector(case, source, symmetry, fixed, pairings)
+            groups, constraints = tied.groups, tied.constraints
             layout = _layout(both, symmetry, materials, pairings, groups)
-            require_support(mesh, symmetry.own_nodes(layout.face_pairs.nodes), fixed, None, source)
+            require_support(mesh, symmetry.own_nodes(layout.face_pairs.nodes), fixed, constraints, source)
             _require_free(symmetry, pairings, groups, fixed, source)
-        free = () if case.rotation is None else free_body_messages(mesh, fixed)
-        messages = (*source.doubts, *layout.messages, *free)
+        free = () if case.rotation is None else free_body_messages(mesh, fixed, constraints)
+        messages = (*source.doubts, *layout.messages, *tied.messages, *free)
         blade = None if case.mistuning is None else blade_nodes(case.mistuning, mesh, symmetry.sectors)
         layout = replace(
             layout,
             odd_values=odd_values,
+            facts=(*layout.facts, *tied.facts),
             messages=messages,
             notes=source.messages,
             body_names=mesh.body_names,
@@ -149,7 +150,7 @@ class CyclicKind(OwnKind[CyclicCase]):
         element: Hexahedron = "incompatible"
         if isinstance(section, SectorMeshSection) and section.element is not None:
             element = section.element
-        sector = MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values()))
+        sector = MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values()), constraints)
         top_speed = None if case.rotation is None else case.rotation.top_speed
         return CyclicSetup(sector, symmetry, self.rotation_speed(case), _has_coriolis(case), top_speed)
 
@@ -260,21 +261,6 @@ def _symmetry(section: SectorMeshSection | BladedDiskSection, mesh: Mesh) -> Cyc
     except InputError as error:
         error.concern(*(f"structure.{name}" for name in error.keys))
         raise
-
-
-def _require_no_equations(source: ImportedModel) -> None:
-    if source.equations is not None:
-        raise InputError(
-            f"{source.source} contains ties, rigid bodies, couplings or equations, which a sector cannot have "
-            'yet. Give one mesh with common nodes, or the full ring with structure.kind = "mesh".',
-            ("structure.file",),
-        )
-    if source.attachments is not None:
-        raise InputError(
-            f"{source.source} has mass points or springs, which a sector cannot have yet. Remove them, or add "
-            "the mass to the density of a body.",
-            ("structure.file",),
-        )
 
 
 def _require_own_sector(mesh: Mesh, symmetry: CyclicSymmetry, source: ImportedModel) -> None:
