@@ -1,4 +1,4 @@
-"""Ties inside a sector: the full ring with the same ties by the ordinary path, and ties that the boundaries contradict."""
+"""Ties inside a sector: the full ring with the same ties by the ordinary path, and ties that the boundaries lack."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sectors import annulus
+from sectors import TIED_HEIGHT, TIED_SECTORS, annulus, tied_blade
 from sentences import rejects
 from stickslip.structure.constraints import eliminate
 from stickslip.structure.elasticity import natural_frequencies
@@ -17,29 +17,8 @@ from stickslip.structure.face_ties import add_tie, tie_nodes
 from stickslip.structure.ring import Ring
 from stickslip.structure.sector_structure import SectorStructure
 
-STEEL, SECTORS, HEIGHT = ss.Material(200e9, 0.33, 7850.0), 5, 0.02
+STEEL, SECTORS, HEIGHT = ss.Material(200e9, 0.33, 7850.0), TIED_SECTORS, TIED_HEIGHT
 ANGLE = 2.0 * np.pi / SECTORS
-
-
-def bladed(part: float, around: int) -> Any:
-    """A disk sector, and a blade on a ``part`` of its rim with ``around`` bricks, in other elements than the disk."""
-    disk = annulus(SECTORS, (0.05, 0.15), HEIGHT, (3, 4, 1), of=1)
-    blade = annulus(SECTORS, (0.15, 0.25), HEIGHT, (3, around, 2), of=1)
-    radius = np.hypot(blade.points[:, 0], blade.points[:, 1])
-    angle = (np.arctan2(blade.points[:, 1], blade.points[:, 0]) - 0.5 * ANGLE) * part + 0.5 * ANGLE
-    height = 0.1 * HEIGHT + 0.8 * blade.points[:, 2]
-    moved = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
-    points, first = np.vstack([disk.points, moved]), disk.n_nodes
-    sets = {
-        "bore": disk.node_sets["inner"],
-        "rim": np.flatnonzero(np.hypot(*disk.points[:, :2].T) > 0.1499),
-        "foot": first + blade.node_sets["inner"],
-        "tip": first + np.flatnonzero(radius > 0.2499),
-    }
-    angles = np.arctan2(points[:, 1], points[:, 0])
-    sets |= {"left": np.flatnonzero(np.abs(angles) < 1e-9), "right": np.flatnonzero(np.abs(angles - ANGLE) < 1e-9)}
-    body = np.repeat([0, 1], [disk.n_cells, blade.n_cells])
-    return ss.Mesh(points, np.vstack([disk.cells, first + blade.cells]), body, sets, ("disk", "blade"))
 
 
 def tied(mesh: Any) -> Any:
@@ -64,7 +43,7 @@ def of_all(frequencies: Any, count: int) -> Any:
 @pytest.mark.parametrize(("part", "around"), [(0.6, 3), (1.0, 3), (1.0, 4)])
 def test_frequencies_of_a_tied_blade_are_those_of_the_ring_with_the_same_ties(part: float, around: int) -> None:
     """With the whole width, nodes of both boundaries follow nodes of their own boundary."""
-    mesh = bladed(part, around)
+    mesh = tied_blade(part, around)
     symmetry = symmetry_of(mesh)
     ring = tied(Ring.of(mesh, symmetry).mesh)
     expected = natural_frequencies(ring.stiffness, ring.mass, 12)[0]
@@ -79,7 +58,7 @@ def test_frequencies_of_a_tied_blade_are_those_of_the_ring_with_the_same_ties(pa
 
 
 def test_the_motion_of_a_tied_blade_satisfies_its_ties() -> None:
-    mesh = bladed(0.6, 3)
+    mesh = tied_blade(0.6, 3)
     sector, symmetry = tied(mesh), symmetry_of(mesh)
     structure = SectorStructure(sector, symmetry)
     reduced = ss.cyclic_sector(sector, symmetry, mesh.node_set("tip"), n_modes=5)
@@ -98,7 +77,7 @@ def test_the_motion_of_a_tied_blade_satisfies_its_ties() -> None:
 
 
 def test_a_rotating_tied_blade_is_that_of_the_ring() -> None:
-    mesh = bladed(0.6, 3)
+    mesh = tied_blade(0.6, 3)
     symmetry = symmetry_of(mesh)
     rotor = ss.rotating(tied(mesh), symmetry.direction, symmetry=symmetry)
     ring = ss.rotating(tied(Ring.of(mesh, symmetry).mesh), symmetry.direction)
@@ -109,7 +88,7 @@ def test_a_rotating_tied_blade_is_that_of_the_ring() -> None:
 
 
 def test_ties_that_the_other_boundary_does_not_have() -> None:
-    mesh = bladed(1.0, 3)
+    mesh = tied_blade(1.0, 3)
     symmetry = symmetry_of(mesh)
     edge = int(np.intersect1d(mesh.node_set("tip"), mesh.node_set("right"))[0])
     inside = int(np.setdiff1d(mesh.node_set("tip"), np.union1d(mesh.node_sets["left"], mesh.node_sets["right"]))[0])
