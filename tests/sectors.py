@@ -182,4 +182,6 @@ def tied_blade(part: float, around: int) -> Mesh:
         "right": np.flatnonzero(np.abs(angles - angle_of_sector) < 1e-9),
     }
     body = np.repeat([0, 1], [disk.n_cells, blade.n_cells])
-    return Mesh(points, np.vstack([disk.cells, first + blade.cells]), body, sets, ("disk", "blade"))
+    return Mesh(
+        points, np.vstack([np.asarray(disk.cells), first + np.asarray(blade.cells)]), body, sets, ("disk", "blade")
+    )

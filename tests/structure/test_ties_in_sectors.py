@@ -120,6 +120,8 @@ def test_two_bodies_with_nodes_at_one_position_of_a_boundary() -> None:
         ss.cyclic_symmetry(both, left, right, axis="z")
     body = np.repeat([0, 1], mesh.n_cells)
     sets = {"left": left, "right": right}
-    whole = ss.Mesh(both, np.vstack([mesh.cells, mesh.cells + mesh.n_nodes]), body, sets, ("one", "two"))
+    whole = ss.Mesh(
+        both, np.vstack([np.asarray(mesh.cells), np.asarray(mesh.cells) + mesh.n_nodes]), body, sets, ("one", "two")
+    )
     with rejects(ss.InputError, "left"):
         ss.tied_symmetry(whole, "left", "right", axis="z")
