@@ -235,8 +235,8 @@ class TieCards:
         for name in ("CYCLIC SYMMETRY", "MULTISTAGE"):
             if name in card.parameters:
                 card.fail(
-                    f"{name} repeats a sector round an axis, which is not read. Remove the card and give the boundaries "
-                    'as structure.left and structure.right of kind = "cyclic", or write the complete model.'
+                    f"{name} repeats a sector round an axis, which is not read. Remove the card and give the "
+                    'boundaries as structure.left and structure.right of kind = "cyclic", or write the complete model.'
                 )
         word = card.parameters.get("POSITION TOLERANCE", "")
         tolerance = card.number(word, card.line) if word else None
