@@ -107,7 +107,7 @@ def free_body_messages(
         yield (
             f"[rotation]: contact alone supports a part of {names}, which keeps its stiffness at rest, has no Coriolis "
             "forces and does not stress other bodies. For a light damper that is a small error, for a blade in a slot "
-            "of its disk a large one: connect such a blade by common nodes, or in a mesh by [ties.NAME]."
+            "of its disk a large one: connect such a blade by common nodes, or by [ties.NAME]."
         )
 
 

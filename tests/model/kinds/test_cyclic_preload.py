@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -113,6 +114,12 @@ def test_the_page_of_a_disk_with_a_solved_preload() -> None:
     text = str(page(solution.response, solution.record))
     assert "Largest pressure at rest, own platform" in text
     assert "Preload solved from rotation at 314.159 rad/s" in text
+    assert "The normal loads are those of the static state at this speed." in text
+    assert "Coriolis forces are not included" in text
+    assert "coriolis = false" in solution.record.inputs
+    inputs = solution.record.inputs.replace("coriolis = false", "coriolis = true")
+    whirling = replace(solution.record, inputs=inputs)
+    assert "spin softening and Coriolis forces. The normal" in str(page(solution.response, whirling))
     assert not any("normal loads" in each for each in solution.record.warnings)
 
 
