@@ -115,8 +115,8 @@ def _of_speed(view: View) -> str:
     if inputs.get("preload.method") != "solved":
         loads = "are those that the study gives: the speed does not change them"
     return (
-        f"The frequencies are those at {speed}, with {effects}. The normal loads {loads}. If the dashed line belongs to "
-        "another speed, repeat the study with that one."
+        f"The frequencies are those at {speed}, with {effects}. The normal loads {loads}. If the dashed line belongs "
+        "to another speed, repeat the study with that one."
     )
 
 

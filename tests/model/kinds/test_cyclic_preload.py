@@ -67,8 +67,10 @@ def test_the_state_at_rest_is_that_of_the_full_ring(residual: str) -> None:
     load = superelement.recovery.project(centrifugal_load(ring.mesh, materials, np.eye(3)[2], np.zeros(3))[:, None])
     np.testing.assert_allclose(layout.unit_loads["rotation"][:, 0], rotor.load, rtol=0.0, atol=1e-9 * rotor.load.max())
     joint = model.joint
-    springs = (np.tile(each, 6) for each in (joint.normal_stiffness, joint.tangential_stiffness))
-    touching = ss.ContactPairs(superelement.operator(pairs), *springs, friction_coefficient=0.3, normal_load=0.0)
+    normal, tangential = (np.tile(each, 6) for each in (joint.normal_stiffness, joint.tangential_stiffness))
+    touching = ss.ContactPairs(
+        superelement.operator(pairs), normal, tangential, friction_coefficient=0.3, normal_load=0.0
+    )
     speed = 3000.0 * np.pi / 30.0
     state = ss.static_preload(superelement, touching, speed**2 * load[:, 0], friction=residual == "kept")
     largest = state.normal_force.max()

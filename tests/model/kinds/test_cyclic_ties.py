@@ -55,7 +55,7 @@ def test_a_tied_blade_of_a_study_has_the_frequencies_of_the_tied_sector(tmp_path
 
 def test_without_its_ties_the_blade_is_loose(tmp_path: Path) -> None:
     """Contact alone supports the blade then, which is another structure."""
-    with_ties, without = (set_up(tied_case(tmp_path, **each)) for each in ({}, {"ties": {}}))
+    with_ties, without = set_up(tied_case(tmp_path)), set_up(tied_case(tmp_path, ties={}))
     assert isinstance(with_ties, CyclicSetup)
     assert isinstance(without, CyclicSetup)
     assert with_ties.sector.constraints is not None

@@ -37,7 +37,7 @@ def tied_sector(
     ``pairings`` are on the mesh of this sector and the next one. Raises InputError that names the entry of the study
     file for nodes of contact, forces and responses that follow others, and for reference nodes.
     """
-    _require_no_attachments(source)
+    require_no_attachments(source)
     groups = node_groups_of(case, source)
     _require_nodes_of_the_mesh(case, groups)
     ties = study_ties(source.mesh, source.equations, case.ties)
@@ -58,7 +58,8 @@ def tied_sector(
     return TiedSector(groups, constraints, ties.facts, ties.messages)
 
 
-def _require_no_attachments(source: ImportedModel) -> None:
+def require_no_attachments(source: ImportedModel) -> None:
+    """Raise InputError for a file with mass points or springs."""
     if source.attachments is not None:
         raise InputError(
             f"{source.source} has mass points or springs, which a sector cannot have yet. Remove them, or add "
