@@ -17,7 +17,7 @@ from stickslip.structure.cyclic_sector import CyclicSector, LaggedMatrices, Matr
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.phase_lag import LaggedModel
 from stickslip.structure.rotating import RotatingStructure
-from stickslip.structure.rotating_superelement import RPM, checked_speed
+from stickslip.structure.rotating_superelement import RPM, omega_of_reduction
 from stickslip.structure.sector_reduction import (
     checked_diameters,
     folded_load,
@@ -86,14 +86,7 @@ class RotatingSector:
         return replace(self, at_rest=self.at_rest.without_recovery())
 
     def _omega(self, speed_rpm: float) -> float:
-        speed = checked_speed(speed_rpm, np.inf)
-        if speed > self.top_speed_rpm:
-            raise InputError(
-                f"speed_rpm is {speed:g}, but the reduction is for speeds up to {self.top_speed_rpm:g} rpm. Reduce the "
-                "sector again with a higher top_speed_rpm.",
-                arguments=["speed_rpm"],
-            )
-        return RPM * speed
+        return omega_of_reduction(speed_rpm, self.top_speed_rpm, "sector")
 
 
 def rotating_sector(
