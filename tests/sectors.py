@@ -14,6 +14,8 @@ from stickslip.structure.superelement import Superelement
 # Nodes of the small sector: disk, blade and platform, and the disk of the next sector, each with three displacements.
 DISK, BLADE, PLATFORM, NEXT_DISK = range(4)
 OWN = 9
+# Of the disk of :func:`tied_blade`.
+TIED_SECTORS, TIED_HEIGHT = 5, 0.02
 
 
 def node(number: int) -> slice:
@@ -156,3 +158,30 @@ def annulus(
     if not closed:
         sets |= {"left": number[:, 0].ravel(), "right": number[:, -1].ravel()}
     return Mesh(points, cells, node_sets=sets)
+
+
+def tied_blade(part: float, around: int) -> Mesh:
+    """A disk sector, and a blade on a ``part`` of its rim with ``around`` bricks, in other elements than the disk."""
+    angle_of_sector = 2.0 * np.pi / TIED_SECTORS
+    disk = annulus(TIED_SECTORS, (0.05, 0.15), TIED_HEIGHT, (3, 4, 1), of=1)
+    blade = annulus(TIED_SECTORS, (0.15, 0.25), TIED_HEIGHT, (3, around, 2), of=1)
+    radius = np.hypot(blade.points[:, 0], blade.points[:, 1])
+    angle = (np.arctan2(blade.points[:, 1], blade.points[:, 0]) - 0.5 * angle_of_sector) * part + 0.5 * angle_of_sector
+    height = 0.1 * TIED_HEIGHT + 0.8 * blade.points[:, 2]
+    moved = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+    points, first = np.vstack([disk.points, moved]), disk.n_nodes
+    sets = {
+        "bore": disk.node_sets["inner"],
+        "rim": np.flatnonzero(np.hypot(*disk.points[:, :2].T) > 0.1499),
+        "foot": first + blade.node_sets["inner"],
+        "tip": first + np.flatnonzero(radius > 0.2499),
+    }
+    angles = np.arctan2(points[:, 1], points[:, 0])
+    sets |= {
+        "left": np.flatnonzero(np.abs(angles) < 1e-9),
+        "right": np.flatnonzero(np.abs(angles - angle_of_sector) < 1e-9),
+    }
+    body = np.repeat([0, 1], [disk.n_cells, blade.n_cells])
+    return Mesh(
+        points, np.vstack([np.asarray(disk.cells), first + np.asarray(blade.cells)]), body, sets, ("disk", "blade")
+    )

@@ -124,6 +124,8 @@ from .structure.mesh import Mesh as Mesh
 from .structure.rotating import RotatingStructure as RotatingStructure
 from .structure.rotating import rotating as rotating
 from .structure.rotating_reduction import rotating_superelement as rotating_superelement
+from .structure.rotating_sector import RotatingSector as RotatingSector
+from .structure.rotating_sector import rotating_sector as rotating_sector
 from .structure.rotating_superelement import RotatingSuperelement as RotatingSuperelement
 from .structure.sector_boundaries import cyclic_symmetry as cyclic_symmetry
 from .structure.sector_boundaries import with_next_sector as with_next_sector

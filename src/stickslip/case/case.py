@@ -297,6 +297,7 @@ class SolidCase(OwnCase):
 
     bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
     interfaces: dict[Name, MeshInterfaceSection] = Field(default={}, description=MeshInterfaceSection.__doc__)
+    ties: dict[Name, TieSection] = Field(default={}, description=TieSection.__doc__)
 
 
 class MeshCase(SolidCase):
@@ -306,7 +307,6 @@ class MeshCase(SolidCase):
     """
 
     structure: MeshStructureSection
-    ties: dict[Name, TieSection] = Field(default={}, description=TieSection.__doc__)
     base_motion: BaseMotion | None = None
     pressures: dict[Name, PressureSection] = Field(default={}, description=PressureSection.__doc__)
     gravity: GravitySection | None = Field(default=None, description=GravitySection.__doc__)
@@ -345,11 +345,12 @@ class CyclicCase(SolidCase):
                 "is missing. Give this section with engine_order, the number of waves round the disk.",
             )
         yield from frd_errors(self.output, "a sector of a disk")
-        yield from sector_errors(self.analysis, self.preload, self.damping, self.static_loads, self.unbalance)
+        yield from rotation_errors(self.rotation, self.analysis)
+        yield from sector_errors(self.analysis, self.damping, self.unbalance)
         if self.mistuning is not None:
-            has_coriolis = self.rotation is not None and self.rotation.coriolis
-            yield from mistuning_errors(self.mistuning, self.damping, self.forces, self.interfaces, has_coriolis)
-        yield from self._own_misfits((), {"forces": self.forces}, has_areas=True)
+            yield from mistuning_errors(self.mistuning, self.damping, self.forces, self.interfaces, self.rotation)
+        loads = tuple(name for name in ("rotation", "static_loads") if getattr(self, name))
+        yield from self._own_misfits(loads, {"forces": self.forces}, has_areas=True)
 
 
 class MatrixCase(OwnCase):

@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
-from stickslip.case.own_sections import OwnPreloadSection, PlaceSection, RotationSection
+from stickslip.case.own_sections import OwnPreloadSection, PlaceSection, RotationSection, SectorRotationSection
 from stickslip.case.sections import OutputSection, PreloadSection, SolverSection
 from stickslip.case.two_blade_sections import ROTATING, DamperFrictionSection, WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES, Declaration
@@ -254,7 +254,9 @@ def _stiffness_errors(where: tuple[str, str], interface: InterfaceSection) -> It
         yield EntryError((*where, given[0]), "and stiffness_law are both given. Remove one.")
 
 
-def rotation_errors(rotation: RotationSection | None, analysis: AnalysisSection) -> Iterator[EntryError]:
+def rotation_errors(
+    rotation: RotationSection | SectorRotationSection | None, analysis: AnalysisSection
+) -> Iterator[EntryError]:
     """A speed above the highest one of the reduction, and gradients with a reduction for several speeds."""
     if rotation is not None and rotation.top_speed is not None and analysis.gradients:
         yield EntryError(

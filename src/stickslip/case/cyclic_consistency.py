@@ -9,16 +9,12 @@ from stickslip.case.analysis import AnalysisSection, ForcedAnalysis
 from stickslip.case.consistency import EntryError
 from stickslip.case.cyclic_sections import MistuningSection
 from stickslip.case.interface_sections import InterfaceSection
-from stickslip.case.own_sections import ForceSection
-from stickslip.case.sections import DampingSection, PreloadSection
+from stickslip.case.own_sections import ForceSection, SectorRotationSection
+from stickslip.case.sections import DampingSection
 
 
 def sector_errors(
-    analysis: AnalysisSection,
-    preload: PreloadSection,
-    damping: DampingSection,
-    static_loads: Mapping[str, Any],
-    unbalance: Mapping[str, Any],
+    analysis: AnalysisSection, damping: DampingSection, unbalance: Mapping[str, Any]
 ) -> Iterator[EntryError]:
     """What is not computed for a sector of a disk, and damping that is missing."""
     full = "is not computed for a sector of a disk"
@@ -31,14 +27,8 @@ def sector_errors(
     for key in ("traction_band", "search", "gradients"):
         if getattr(analysis, key):
             yield EntryError(("analysis", key), f"is true, but this {full}. Set it to false.")
-    if preload.method == "solved":
-        yield EntryError(
-            ("preload", "method"),
-            f'is "solved", which {full}. Use "prescribed" with normal_load of each interface.',
-        )
-    for section, entries in (("static_loads", static_loads), ("unbalance", unbalance)):
-        if entries:
-            yield EntryError((section,), f"{full}: its loads would have to be alike in all sectors. Remove it.")
+    if unbalance:
+        yield EntryError(("unbalance",), f"{full}: its force would have to be alike in all sectors. Remove it.")
     if not any((damping.modal_damping_ratio, damping.rayleigh_alpha, damping.rayleigh_beta)):
         yield EntryError(
             ("damping", "modal_damping_ratio"),
@@ -51,7 +41,7 @@ def mistuning_errors(
     damping: DampingSection,
     forces: Mapping[str, ForceSection],
     interfaces: Mapping[str, InterfaceSection],
-    has_coriolis: bool,
+    rotation: SectorRotationSection | None,
 ) -> Iterator[EntryError]:
     """What a mistuned disk cannot have."""
     if mistuning.damper_loads is not None:
@@ -67,7 +57,13 @@ def mistuning_errors(
                     ("interfaces", name, "law"),
                     f'is "{interface.other_law}", but mistuning.damper_loads requires Coulomb friction. Remove one.',
                 )
-    if has_coriolis:
+    if rotation is not None and rotation.top_speed is not None:
+        yield EntryError(
+            ("rotation", "top_speed"),
+            "gives one reduction for several speeds, but the blades alone of [mistuning] are those of one speed. "
+            "Remove one of the two.",
+        )
+    if rotation is not None and rotation.coriolis:
         yield EntryError(
             ("rotation", "coriolis"),
             "is true, but amplification factors of [mistuning] do not contain Coriolis forces. Set it to false.",

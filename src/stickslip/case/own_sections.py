@@ -331,18 +331,21 @@ class TieSection(Section):
     )
 
 
+_TOP_SPEED = "one reduction for all speeds up to this one, for a sweep over speed; default: one at speed"
+
+
 class SectorRotationSection(Section):
     """Constant rotation of a disk about its axis: stress stiffening and spin softening."""
 
     foreign: ClassVar[Mapping[str, str]] = {
         **dict.fromkeys(("axis", "point"), "is that of the disk, from its boundaries. Remove it."),
-        "top_speed": "belongs to two blades and to a mesh: a sector is reduced at each speed. Remove it.",
     }
 
     speed: RotationSpeed = Field(description="revolutions per minute or rad/s", examples=["3000 rpm"])
     coriolis: bool = Field(
         default=False, description="with Coriolis forces: forward and backward waves have other frequencies"
     )
+    top_speed: RotationSpeed | None = Field(default=None, description=_TOP_SPEED, examples=["9000 rpm"])
 
 
 class RotationSection(Section):
@@ -356,11 +359,7 @@ class RotationSection(Section):
     speed: RotationSpeed = Field(description="revolutions per minute or rad/s")
     axis: Direction = Field(description="[x, y, z] along the axis")
     point: Place = Field(default=(0.0, 0.0, 0.0), description="on the axis")
-    top_speed: RotationSpeed | None = Field(
-        default=None,
-        description="one reduction for all speeds up to this one, for a sweep over speed; default: one at speed",
-        examples=["9000 rpm"],
-    )
+    top_speed: RotationSpeed | None = Field(default=None, description=_TOP_SPEED, examples=["9000 rpm"])
 
 
 class MeshRotationSection(RotationSection):

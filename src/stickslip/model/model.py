@@ -154,7 +154,7 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
     solved = None
     if case.preload.method == "solved":
         settings = kind.face_settings(case)
-        solved = solve_preload(case, joint, settings, substructure.require_structure(), static_load)
+        solved = solve_preload(case, joint, settings, substructure, static_load)
         pairs = solved.pairs_about(solved.state, case.preload.residual_traction == "kept")
         joint = resting_joint(case, joint, settings, solved.state, pairs)
     else:

@@ -18,7 +18,7 @@ from stickslip.structure.factor import best_backend
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.rotating import RotatingBodies, RotatingStructure, rotating
 from stickslip.structure.rotating_superelement import RPM
-from stickslip.structure.sector_structure import SectorStructure
+from stickslip.structure.sector_structure import RangeOfSpeeds, SectorStructure
 from stickslip.structure.tied_parts import supported_groups
 
 _STIFFENING = (
@@ -107,7 +107,7 @@ def free_body_messages(
         yield (
             f"[rotation]: contact alone supports a part of {names}, which keeps its stiffness at rest, has no Coriolis "
             "forces and does not stress other bodies. For a light damper that is a small error, for a blade in a slot "
-            "of its disk a large one: connect such a blade by common nodes, or in a mesh by [ties.NAME]."
+            "of its disk a large one: connect such a blade by common nodes, or by [ties.NAME]."
         )
 
 
@@ -135,10 +135,18 @@ def rotating_bodies(
     return RotatingBodies(rotation.at_its_speed(rotor), whirl, rotor, rotation.coriolis, rotation.speed_rpm, top_rpm)
 
 
-def rotating_sector(sector: SectorStructure, speed: float, coriolis: bool) -> SectorStructure:
-    """One sector of a disk at a speed in rad/s. Raises InputError for a speed that is too high."""
+def sector_at_speed(
+    sector: SectorStructure, speed: float, coriolis: bool, top_speed: float | None = None
+) -> SectorStructure:
+    """One sector of a disk at a speed in rad/s, of those up to ``top_speed``. Raises InputError for one that is too
+    high."""
     symmetry = sector.symmetry
-    rotation = Rotation(speed, symmetry.direction, symmetry.point)
+    rotation = Rotation(speed, symmetry.direction, symmetry.point, coriolis, top_speed)
     rotor = rotation.of(sector.structure, symmetry)
-    whirl = rotor.coriolis_at(rotation.speed_rpm) if coriolis else None
-    return replace(sector, structure=rotation.at_its_speed(rotor), gyroscopic=whirl)
+    whirl = rotor.coriolis_at(rotation.speed_rpm) if coriolis and speed else None
+    speeds = None
+    if top_speed is not None:
+        with concerning("rotation.top_speed"):
+            rotor.at(top_speed / RPM, "rotation.top_speed")
+        speeds = RangeOfSpeeds(rotor, top_speed / RPM, rotation.speed_rpm, coriolis)
+    return replace(sector, structure=rotation.at_its_speed(rotor), gyroscopic=whirl, speeds=speeds)

@@ -26,6 +26,7 @@ from stickslip.model.loaded_laws import laws_at_rest, with_loaded_laws, without_
 from stickslip.model.rough_face import case_roughness
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.solve.static.state import StaticState
+from stickslip.structure.substructure import Substructure, rows_of_mean
 from stickslip.structure.superelement import Superelement
 
 if TYPE_CHECKING:
@@ -49,20 +50,23 @@ HIGHEST_PRESSURE = 1e3
 class SolvedPreload:
     """The state at rest with the tractions of the case, and the other one for comparison.
 
-    ``other`` is None if it does not exist; ``why`` is then the reason. ``unloaded`` are the pairs before the load,
-    ``joint`` is that of ``case`` before it.
+    ``other`` is None if it does not exist; ``why`` is then the reason. ``unloaded`` are the pairs before the load in
+    the unknowns of motions that are constant in time, ``operator`` (m, row_size) are their rows in all motions, and
+    ``joint`` is that of ``case`` before the load.
     """
 
     case: Case
     joint: Joint
     unloaded: ContactPairs
     state: StaticState
+    operator: FloatArray
     other: StaticState | None
     why: str = ""
 
     def pairs_about(self, state: StaticState, kept: bool) -> ContactPairs:
         """The contact pairs about one of the two states at rest, with its tractions ``kept`` or released."""
         pairs = state.about(self.unloaded, keep_traction=kept)
+        pairs = ContactPairs.with_laws(self.operator, pairs.laws, pairs.members)
         return with_loaded_laws(self.joint, pairs, _lowest_load(self.case, self.joint, state.normal_force))
 
 
@@ -70,20 +74,22 @@ def solve_preload(
     case: Case,
     joint: Joint,
     settings: Sequence[FaceSettings],
-    superelement: Superelement,
+    substructure: Substructure,
     static_load: FloatArray,
 ) -> SolvedPreload:
-    """The joint at rest under ``static_load`` (n,) N, with friction and without. Raises ConvergenceError."""
+    """The joint at rest under ``static_load`` (row_size,) N, with friction and without. Raises ConvergenceError."""
     # Pairs that just touch, or stand apart by their gap.
     touching = replace(without_loaded_laws(joint), preload=-joint.normal_stiffness * joint.face_pairs.gap)
-    unloaded = touching.contact_pairs(joint.face_pairs.operator(superelement))
+    operator, superelement = substructure.operator(joint.face_pairs), substructure.mean_structure()
+    unloaded = touching.contact_pairs(rows_of_mean(operator, substructure.size))
+    load = rows_of_mean(static_load, substructure.size)
     retained = case.preload.residual_traction == "kept"
-    state = _state(case, joint, settings, superelement, unloaded, static_load, friction=retained)
+    state = _state(case, joint, settings, superelement, unloaded, load, friction=retained)
     try:
-        other = _state(case, joint, settings, superelement, unloaded, static_load, friction=not retained)
+        other = _state(case, joint, settings, superelement, unloaded, load, friction=not retained)
     except ConvergenceError as error:
-        return SolvedPreload(case, joint, unloaded, state, None, str(error))
-    return SolvedPreload(case, joint, unloaded, state, other)
+        return SolvedPreload(case, joint, unloaded, state, operator, None, str(error))
+    return SolvedPreload(case, joint, unloaded, state, operator, other)
 
 
 def resting_joint(

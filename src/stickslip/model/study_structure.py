@@ -17,7 +17,7 @@ from stickslip.model.layout import AnyStructure, Layout, NodeGroup
 from stickslip.solve.excitation import TravellingWave
 from stickslip.structure.blade_alone import BladeAlone
 from stickslip.structure.cache import cached_superelement
-from stickslip.structure.cached_reductions import cached_rotating_superelement, cached_sector
+from stickslip.structure.cached_reductions import cached_rotating_sector, cached_rotating_superelement, cached_sector
 from stickslip.structure.craig_bampton import ReductionRow, craig_bampton
 from stickslip.structure.cyclic_sector import CyclicSector, folded
 from stickslip.structure.elasticity import Structure
@@ -29,6 +29,7 @@ from stickslip.structure.relative_model import RelativeModel
 from stickslip.structure.relative_reduction import cached_relative_superelement, relative_model
 from stickslip.structure.rotating import RotatingBodies
 from stickslip.structure.rotating_reduction import rotating_superelement
+from stickslip.structure.rotating_sector import RotatingSector, rotating_sector
 from stickslip.structure.rotating_superelement import RPM, RotatingSuperelement
 from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.substructure import Substructure
@@ -39,10 +40,10 @@ from stickslip.structure.superelement import Superelement
 class Speeds:
     """One reduction for all speeds up to a highest one, with or without Coriolis forces."""
 
-    rotating: RotatingSuperelement
+    rotating: RotatingSuperelement | RotatingSector
     coriolis: bool
 
-    def at(self, speed: float) -> Superelement:
+    def at(self, speed: float) -> Substructure:
         """The matrices at a speed in rad/s. Raises InputError for one above that of the reduction."""
         with concerning("rotation.speed"):
             return self.rotating.at(speed / RPM, self.coriolis)
@@ -252,7 +253,8 @@ class _BodiesAtManySpeeds(_Bodies):
             lambda: rotating_superelement(rotor, nodes, top_rpm, n_modes=n_modes, backend=backend, threads=threads),
         )  # fmt: skip
         speeds = Speeds(rotating, bodies.coriolis)
-        at_speed = ReducedStructure.of_superelement(speeds.at(bodies.speed_rpm * RPM), layout)
+        at_its_own = speeds.at(bodies.speed_rpm * RPM).require_structure()
+        at_speed = ReducedStructure.of_superelement(at_its_own, layout)
         return replace(at_speed, speeds=speeds)
 
 
@@ -281,15 +283,28 @@ class _Sector:
     ) -> ReducedStructure:
         """An earlier reduction is read from the disk."""
         nodes = layout.boundary_nodes
-        reduced = cached_sector(
-            self.sector, nodes, n_modes, lambda: self.sector.reduced(nodes, n_modes, threads, progress)
-        )
+        speeds, of_study = None, self.sector.speeds
+        if of_study is None:
+            reduced = cached_sector(
+                self.sector, nodes, n_modes, lambda: self.sector.reduced(nodes, n_modes, threads, progress)
+            )
+        else:
+            rotor, top_rpm = of_study.rotor, of_study.top_rpm
+            rotating = cached_rotating_sector(
+                rotor, nodes, n_modes, top_rpm,
+                lambda: rotating_sector(rotor, nodes, top_rpm, n_modes=n_modes, progress=progress),
+            )  # fmt: skip
+            speeds = Speeds(rotating, of_study.coriolis)
+            reduced = speeds.at(of_study.speed_rpm * RPM).require_sector()
         rows = {name: _sector_rows(reduced, each) for name, each in layout.node_groups.items()}
         blade = None
         if layout.blade_nodes is not None:
             with concerning("mistuning.blade"):
                 blade = self.sector.blade(reduced, layout.blade_nodes)
-        return ReducedStructure(reduced, rows, blade=blade)
+        loads = {
+            name: _on_first_sector(self.sector.reduced_load(reduced, each)) for name, each in layout.unit_loads.items()
+        }
+        return ReducedStructure(reduced, rows, loads, speeds=speeds, blade=blade)
 
     def stuck_frequencies(
         self, pairs: FacePairs, springs: FloatArray, wave: TravellingWave | None, count: int
@@ -317,3 +332,8 @@ def _sector_rows(sector: CyclicSector, node_group: NodeGroup) -> FloatArray:
     for node, is_ahead, weight in zip(home, ahead, node_group.weights, strict=True):
         rows += weight * np.array([sector.selector(int(node), axis, of_next=bool(is_ahead)) for axis in np.eye(3)])
     return rows
+
+
+def _on_first_sector(load: FloatArray) -> FloatArray:
+    """(2n, k) forces on the unknowns of this sector and of the next one, from those (n, k) on this one."""
+    return np.vstack([load, np.zeros_like(load)])

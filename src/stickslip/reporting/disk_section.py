@@ -101,16 +101,22 @@ def _words(view: View) -> list[str]:
 
 def _of_speed(view: View) -> str:
     """The speed whose effects the frequencies contain."""
-    speed = view.study.input_values().get(SPEED_KEY)
+    inputs = view.study.input_values()
+    speed = inputs.get(SPEED_KEY)
     if speed is None:
         return (
             "The frequencies are those of the disk at rest: stress stiffening, spin softening and Coriolis forces are "
             "not included. A section [rotation] adds the first two."
         )
+    effects = "stress stiffening, spin softening and Coriolis forces"
+    if inputs.get("rotation.coriolis", "").lower() != "true":
+        effects = "stress stiffening and spin softening. Coriolis forces are not included"
+    loads = "are those of the static state at this speed"
+    if inputs.get("preload.method") != "solved":
+        loads = "are those that the study gives: the speed does not change them"
     return (
-        f"The frequencies are those at {speed}, with stress stiffening and spin softening. Coriolis forces are not "
-        "included, and the speed does not change the normal loads. If the dashed line belongs to another speed, repeat "
-        "the study with that one."
+        f"The frequencies are those at {speed}, with {effects}. The normal loads {loads}. If the dashed line belongs "
+        "to another speed, repeat the study with that one."
     )
 
 

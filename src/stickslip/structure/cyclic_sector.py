@@ -25,7 +25,7 @@ from stickslip.core.validation import (
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry, IntArray
 from stickslip.structure.gyroscopic import gyroscopic_modes
 from stickslip.structure.phase_lag import LaggedModel
-from stickslip.structure.superelement import PairsOfNodes, rayleigh_damping_matrix
+from stickslip.structure.superelement import PairsOfNodes, Superelement, rayleigh_damping_matrix
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -210,6 +210,11 @@ class CyclicSector:
     def row_size(self) -> int:
         """Number 2n of entries of a row of an output or a pair: the unknowns of this sector and of the next one."""
         return 2 * self.size
+
+    def mean_structure(self) -> Superelement:
+        """The structure of motions that are constant in time and alike in all sectors: nodal diameter 0."""
+        matrices = self.lagged(0)
+        return Superelement(matrices.mass, matrices.stiffness, matrices.damping, self.boundary_nodes)
 
     def require_structure(self) -> NoReturn:
         """A sector has no single matrices: raises InputError."""

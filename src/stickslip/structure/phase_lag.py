@@ -47,6 +47,22 @@ class LaggedMatrix:
         return self.here + lag * self.next + np.conj(lag) * self.previous
 
 
+def lagged_unknowns(size: int, left: IntArray, right: IntArray, rotation: Any) -> tuple[IntArray, Any, Any]:
+    """Which of ``size`` unknowns remain (n,), and csr (size, n) T_here and T_next: ``right`` (k,) follow ``left`` (l,)
+    by the sparse ``rotation`` (k, l)."""
+    remaining = np.setdiff1d(np.arange(size), right)
+    column = np.full(size, -1)
+    column[remaining] = np.arange(remaining.size)
+    one = scipy.sparse.csr_matrix(
+        (np.ones(remaining.size), (remaining, np.arange(remaining.size))), shape=(size, remaining.size)
+    )
+    entries = rotation.tocoo()
+    following = scipy.sparse.csr_matrix(
+        (entries.data, (right[entries.row], column[left[entries.col]])), shape=(size, remaining.size)
+    )
+    return remaining, one, following
+
+
 @dataclass(frozen=True)
 class LaggedModel:
     """The matrices of a sector without its right boundary, and the unknowns (n,) of the sector that remain."""
@@ -71,17 +87,8 @@ class LaggedModel:
         ``rotation`` (k, k), sparse, is that of the sector in these unknowns; None for unknowns that do not rotate.
         ``gyroscopic`` is the skew-symmetric matrix of Coriolis forces; None without them.
         """
-        size = matrices[0].shape[0]
-        remaining = np.setdiff1d(np.arange(size), right)
-        column = np.full(size, -1)
-        column[remaining] = np.arange(remaining.size)
-        one = scipy.sparse.csr_matrix(
-            (np.ones(remaining.size), (remaining, np.arange(remaining.size))), shape=(size, remaining.size)
-        )
-        entries = (scipy.sparse.identity(left.size) if rotation is None else rotation).tocoo()
-        following = scipy.sparse.csr_matrix(
-            (entries.data, (right[entries.row], column[left[entries.col]])), shape=(size, remaining.size)
-        )
+        turned = scipy.sparse.identity(left.size) if rotation is None else rotation
+        remaining, one, following = lagged_unknowns(matrices[0].shape[0], left, right, turned)
         stiffness, mass, damping, coriolis = (
             None if matrix is None else LaggedMatrix.of(scipy.sparse.csr_matrix(matrix), one, following)
             for matrix in (*matrices, gyroscopic)

@@ -118,14 +118,19 @@ class RotatingSuperelement:
         return np.asarray(self._omega(speed_rpm) ** 2 * self.load)
 
     def _omega(self, speed_rpm: float) -> float:
-        speed = checked_speed(speed_rpm, np.inf)
-        if speed > self.top_speed_rpm:
-            raise InputError(
-                f"speed_rpm is {speed:g}, but the reduction is for speeds up to {self.top_speed_rpm:g} rpm. Reduce the "
-                "structure again with a higher top_speed_rpm.",
-                arguments=["speed_rpm"],
-            )
-        return RPM * speed
+        return omega_of_reduction(speed_rpm, self.top_speed_rpm, "structure")
+
+
+def omega_of_reduction(speed_rpm: float, top_speed_rpm: float, reduced: str) -> float:
+    """rad/s of a speed of a reduction for several speeds. Raises InputError for one below 0 or above the highest."""
+    speed = checked_speed(speed_rpm, np.inf)
+    if speed > top_speed_rpm:
+        raise InputError(
+            f"speed_rpm is {speed:g}, but the reduction is for speeds up to {top_speed_rpm:g} rpm. Reduce the "
+            f"{reduced} again with a higher top_speed_rpm.",
+            arguments=["speed_rpm"],
+        )
+    return RPM * speed
 
 
 def collapse_speed(stiffness: FloatArray, speed_stiffness: FloatArray, mass: FloatArray) -> float:

@@ -22,6 +22,8 @@ Axis = AxisName | tuple[ArrayLike, ArrayLike]
 # chosen: nodes of the two boundaries match if their distance after the rotation is below this fraction of the smallest
 # distance between two nodes of a boundary. Text files of meshes have six digits or more.
 MATCH = 1e-2
+# chosen: two nodes of a boundary are at one position if their distance is below this fraction of its size.
+SAME_POSITION = 1e-6
 # chosen: difference of the number of sectors that the angle gives from a whole number, relative to that number.
 WHOLE = 1e-4
 # chosen: a node is on the axis if its distance from it is below this fraction of the largest one.
@@ -156,6 +158,7 @@ def _about(
 def _matched(points: FloatArray, symmetry: CyclicSymmetry) -> CyclicSymmetry:
     """With the nodes of the right boundary in the order of those of the left one. Raises InputError."""
     left, right, count = symmetry.left, symmetry.right, symmetry.sectors
+    require_distinct(points, left, "left")
     distance, partner = scipy.spatial.cKDTree(points[right]).query(symmetry.rotated(points[left]))
     spacing = _spacing(points[left])
     worst = int(distance.argmax())
@@ -169,6 +172,22 @@ def _matched(points: FloatArray, symmetry: CyclicSymmetry) -> CyclicSymmetry:
             arguments=["left", "right"],
         )
     return replace(symmetry, right=right[partner])
+
+
+def require_distinct(points: FloatArray, nodes: IntArray, name: str) -> None:
+    """Raise InputError for two nodes of a boundary at one position, which two bodies that meet there have."""
+    if len(nodes) < 2:
+        return
+    distance, nearest = scipy.spatial.cKDTree(points[nodes]).query(points[nodes], k=2)
+    closest = int(distance[:, 1].argmin())
+    if distance[closest, 1] <= SAME_POSITION * float(np.linalg.norm(np.ptp(points[nodes], axis=0))):
+        place = ", ".join(f"{1e3 * each:.6g}" for each in points[nodes[closest]])
+        raise InputError(
+            f"nodes {nodes[nearest[closest]].min()} and {nodes[nearest[closest]].max()} of {name} are both at "
+            f"({place}) mm, so the positions do not show which of them continues in which node of the next sector. "
+            "Give bodies that touch on the boundary common nodes, or other nodes at other positions.",
+            arguments=[name],
+        )
 
 
 def _count(angle: float, sectors: int | None) -> int:

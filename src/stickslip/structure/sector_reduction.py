@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
+from stickslip.structure.constraints import Constraints
 from stickslip.structure.craig_bampton import ReducedMatrices, checked_boundary, reduced_matrices
 from stickslip.structure.cyclic_sector import (
     SYMMETRIC,
@@ -80,19 +81,8 @@ def cyclic_sector(
     """
     nodes = checked_boundary(boundary_nodes)
     require_mesh_of(structure.mesh, symmetry)
-    followers = np.isin(nodes, symmetry.right)
-    if followers.any():
-        node = int(nodes[followers][0])
-        symmetry.homes(nodes)  # of tied boundaries it has no partner
-        partner = int(symmetry.left[symmetry.right == node][0])
-        raise InputError(
-            f"boundary_nodes names node {node} of the right boundary ({int(followers.sum())} such nodes), which is "
-            f"node {partner} of the left boundary in the next sector. Name node {partner}, or faces off the boundary.",
-            arguments=["boundary_nodes"],
-        )
-    wanted = range(symmetry.sectors // 2 + 1) if diameters is None else sorted(set(diameters))
-    for diameter in wanted:
-        require_diameter(diameter, symmetry.sectors)
+    require_own_nodes(symmetry, nodes)
+    wanted = checked_diameters(symmetry, diameters)
     model = lagged_model(structure, symmetry, gyroscopic)
     boundary = np.searchsorted(model.remaining, structure.unknowns_of(nodes).ravel())
     interior = np.setdiff1d(np.arange(model.remaining.size), boundary)
@@ -107,6 +97,28 @@ def cyclic_sector(
             part = reduced_matrices(matrices, node_of, boundary, interior, n_modes, backend, threads, listener, whirl)
             reduced[diameter] = _hermitian(part)
     return CyclicSector(symmetry.sectors, reduced, nodes, structure.mesh.points[nodes], symmetry)
+
+
+def require_own_nodes(symmetry: CyclicSymmetry, nodes: IntArray) -> None:
+    """Raise InputError for boundary nodes of a reduction on the right boundary of the sector."""
+    followers = np.isin(nodes, symmetry.right)
+    if followers.any():
+        node = int(nodes[followers][0])
+        symmetry.homes(nodes)  # of tied boundaries it has no partner
+        partner = int(symmetry.left[symmetry.right == node][0])
+        raise InputError(
+            f"boundary_nodes names node {node} of the right boundary ({int(followers.sum())} such nodes), which is "
+            f"node {partner} of the left boundary in the next sector. Name node {partner}, or faces off the boundary.",
+            arguments=["boundary_nodes"],
+        )
+
+
+def checked_diameters(symmetry: CyclicSymmetry, diameters: Sequence[int] | None) -> Sequence[int]:
+    """The nodal diameters of a reduction, rising; all by default. Raises InputError for one that does not exist."""
+    wanted = range(symmetry.sectors // 2 + 1) if diameters is None else sorted(set(diameters))
+    for diameter in wanted:
+        require_diameter(diameter, symmetry.sectors)
+    return wanted
 
 
 def sector_frequencies(
@@ -165,33 +177,62 @@ def constant_motion(
     require_mesh_of(structure.mesh, symmetry)
     model = lagged_model(structure, symmetry)
     left, right, rotation = boundary_unknowns(structure, symmetry)
-    folded = load.copy()
-    folded[left] += rotation.T @ load[right]
     motion = np.zeros(load.shape)
     stiffness = model.stiffness.at(0, symmetry.sectors)
-    motion[model.remaining] = factorize(stiffness, backend).solve(folded[model.remaining])
+    motion[model.remaining] = factorize(stiffness, backend).solve(
+        folded_load(structure, symmetry, load)[model.remaining]
+    )
     motion[right] = rotation @ motion[left]
     return motion
+
+
+def folded_load(structure: FullModel, symmetry: CyclicSymmetry, load: FloatArray) -> FloatArray:
+    """(n_free, ...) N of a load (n_free, ...) that is alike in all sectors, with that of the right boundary on the left
+    one. Raises InputError, see :func:`lagged_model`."""
+    left, right, rotation = boundary_unknowns(structure, symmetry)
+    folded = load.copy()
+    folded[left] += rotation.T @ load[right]
+    return folded
 
 
 def lagged_model(structure: FullModel, symmetry: CyclicSymmetry, gyroscopic: Any = None) -> LaggedModel:
     """From the matrices of a sector with both its boundaries, and its sparse gyroscopic matrix or None.
 
     Raises InputError for a gyroscopic matrix that is not skew-symmetric or of another size, for a node that is
-    constrained on one boundary and not in the same way on the other, and for a structure with ties, of which the
-    equations between the boundaries would know nothing.
+    constrained on one boundary and not in the same way on the other, and for ties, rigid bodies and other equations in
+    which the nodes of a boundary follow others than their partners on the other boundary do.
     """
-    if getattr(structure, "constraints", None) is not None:
-        raise InputError(
-            "structure has ties, rigid bodies or other equations between its nodes, which a cyclic sector cannot have "
-            "yet. Give one mesh with common nodes, or the full ring.",
-            arguments=["structure"],
-        )
     if gyroscopic is not None:
         _require_skew(gyroscopic, structure.stiffness.shape)
     left, right, rotation = boundary_unknowns(structure, symmetry)
     matrices = (structure.stiffness, structure.mass, getattr(structure, "damping", None))
     return LaggedModel.of_unknowns(matrices, left, right, rotation, gyroscopic)
+
+
+def _require_ties_that_repeat(
+    ties: Constraints, symmetry: CyclicSymmetry, left: IntArray, right: IntArray, rotation: Any
+) -> None:
+    """Raise InputError unless ``u_right = e^{i phi} F u_left`` for any motion of the independent unknowns and any lag.
+
+    ``left`` and ``right`` are the independent ones of both boundaries, and ``rotation`` is F between them.
+    """
+    here, ahead = (
+        ties.transformation[(3 * nodes[:, None] + np.arange(3)).ravel()] for nodes in (symmetry.left, symmetry.right)
+    )
+    expected = (symmetry.following() @ here).tocsc()
+    found = ahead.tocsc()
+    others = np.setdiff1d(np.arange(found.shape[1]), right), np.setdiff1d(np.arange(found.shape[1]), left)
+    differences = (found[:, right] @ rotation - expected[:, left], found[:, others[0]], expected[:, others[1]])
+    error = sum(np.asarray(abs(each).sum(axis=1)).ravel() for each in differences)
+    wrong = np.flatnonzero(error > SAME_CONSTRAINT)
+    if wrong.size:
+        raise InputError(
+            f"node {symmetry.right[wrong[0] // 3]} of the right boundary and its partner on the left one are not "
+            f"constrained alike, or do not follow other nodes alike by ties, rigid bodies or equations ({wrong.size} "
+            "displacements differ). End tied faces off the boundaries, or let nodes of each boundary follow nodes of "
+            "this boundary alone.",
+            arguments=["structure"],
+        )
 
 
 def _require_skew(matrix: Any, shape: tuple[int, int]) -> None:
@@ -215,11 +256,15 @@ def boundary_unknowns(structure: FullModel, symmetry: CyclicSymmetry) -> tuple[I
     position[structure.free_unknowns] = np.arange(structure.free_unknowns.size)
     left, right = (position[3 * nodes[:, None] + np.arange(3)].ravel() for nodes in (symmetry.left, symmetry.right))
     follows = symmetry.following()
-    if symmetry.is_tied:
+    unknowns = left[left >= 0], right[right >= 0], follows[right >= 0][:, left >= 0]
+    ties = getattr(structure, "constraints", None)
+    if ties is not None:
+        _require_ties_that_repeat(ties, symmetry, *unknowns)
+    elif symmetry.is_tied:
         _require_constraints_that_follow(left >= 0, right >= 0, symmetry, follows)
     else:
         _require_same_constraints(left >= 0, right >= 0, symmetry)
-    return left[left >= 0], right[right >= 0], follows[right >= 0][:, left >= 0]
+    return unknowns
 
 
 def _require_constraints_that_follow(left_free: Any, right_free: Any, symmetry: CyclicSymmetry, follows: Any) -> None:

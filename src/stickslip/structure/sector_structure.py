@@ -20,21 +20,34 @@ from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import factorize
 from stickslip.structure.mesh import IntArray, Mesh
-from stickslip.structure.phase_lag import LaggedModel
-from stickslip.structure.sector_reduction import cyclic_sector, lagged_model
+from stickslip.structure.phase_lag import LaggedModel, lagged_unknowns
+from stickslip.structure.rotating import RotatingStructure
+from stickslip.structure.sector_reduction import boundary_unknowns, cyclic_sector, lagged_model
 from stickslip.structure.superelement import PairsOfNodes
+
+
+@dataclass(frozen=True)
+class RangeOfSpeeds:
+    """All speeds up to ``top_rpm`` of a rotating sector, of which ``speed_rpm`` is that of the study."""
+
+    rotor: RotatingStructure
+    top_rpm: float
+    speed_rpm: float
+    coriolis: bool
 
 
 @dataclass(frozen=True)
 class SectorStructure:
     """The structure of one sector with both its boundaries, and how it continues in the next sector.
 
-    ``gyroscopic`` csr (n_free, n_free) N s/m are its Coriolis forces, or None.
+    ``gyroscopic`` csr (n_free, n_free) N s/m are its Coriolis forces, or None. ``speeds`` are those of one reduction,
+    whose constraint modes are those of the structure at rest; None for a reduction of this structure alone.
     """
 
     structure: Structure
     symmetry: CyclicSymmetry
     gyroscopic: Any = None
+    speeds: RangeOfSpeeds | None = None
 
     @property
     def mesh(self) -> Mesh:
@@ -45,6 +58,11 @@ class SectorStructure:
     def model(self) -> LaggedModel:
         """The matrices for any phase lag. Raises InputError, see :func:`lagged_model`."""
         return lagged_model(self.structure, self.symmetry, self.gyroscopic)
+
+    @cached_property
+    def _reduced_model(self) -> LaggedModel:
+        """The matrices whose constraint modes the reduction has."""
+        return self.model if self.speeds is None else lagged_model(self.speeds.rotor.structure, self.symmetry)
 
     def reduced(
         self, nodes: IntArray, n_modes: int, threads: int = 1, progress: ProgressCallback | None = None
@@ -94,6 +112,25 @@ class SectorStructure:
             answer[:, 2 * order - 1], answer[:, 2 * order] = moved.real, -moved.imag
         return answer
 
+    def reduced_load(self, sector: CyclicSector, load: FloatArray) -> FloatArray:
+        """Forces (n, k) on the unknowns of ``sector`` in motions alike in all sectors, from those (3 * n_nodes, k) N on
+        the nodes of this one: ``T^T load`` of nodal diameter 0.
+
+        Raises InputError for a sector without fixed-interface modes.
+        """
+        modes = sector.diameters[0].modes
+        if modes is None:
+            raise InputError("a load requires a sector with fixed-interface modes.", arguments=["sector"])
+        stiffness, (boundary, interior) = self._reduced_model.at(0, sector.sectors)[0], self._partition(sector)
+        free = self._displacements(1.0).real.T @ load
+        static = factorize(stiffness[interior][:, interior]).solve(free[interior])
+        return np.vstack([free[boundary] - stiffness[boundary][:, interior] @ static, modes.T @ free[interior]])
+
+    def _partition(self, sector: CyclicSector) -> tuple[IntArray, IntArray]:
+        """Positions among the unknowns of :attr:`model` of those of the boundary nodes, in their order, and others."""
+        boundary = np.searchsorted(self.model.remaining, self.structure.unknowns_of(sector.boundary_nodes).ravel())
+        return boundary, np.setdiff1d(np.arange(self.model.remaining.size), boundary)
+
     def _recovered(self, sector: CyclicSector, unknowns: Any, waves: int) -> Any:
         """(3 * n_nodes,) complex displacements of unknowns (n,) in a wave; the other direction is the conjugate one."""
         diameter = folded(waves, sector.sectors)
@@ -105,9 +142,8 @@ class SectorStructure:
                 "the motion of the mesh requires a sector with fixed-interface modes, such as that of cyclic_sector.",
                 arguments=["sector"],
             )
-        stiffness = self.model.at(diameter, sector.sectors)[0]
-        boundary = np.searchsorted(self.model.remaining, self.structure.unknowns_of(sector.boundary_nodes).ravel())
-        interior = np.setdiff1d(np.arange(self.model.remaining.size), boundary)
+        stiffness = self._reduced_model.at(diameter, sector.sectors)[0]
+        boundary, interior = self._partition(sector)
         free = np.zeros(self.model.remaining.size, dtype=complex)
         free[boundary] = unknowns[: boundary.size]
         factor = factorize(stiffness[interior][:, interior])
@@ -125,12 +161,7 @@ class SectorStructure:
     def _displacements(self, lag: complex) -> Any:
         """csr (3 * n_nodes, n) complex: displacements of the mesh from the unknowns of the model, with the lag to the
         next sector. The right boundary is ``lag`` times what it follows on the left one."""
-        size, remaining = self.structure.full_size, self.structure.free_unknowns[self.model.remaining]
-        here = scipy.sparse.csr_matrix(
-            (np.ones(remaining.size), (remaining, np.arange(remaining.size))), shape=(size, remaining.size)
-        )
-        left, right = (
-            (3 * nodes[:, None] + np.arange(3)).ravel() for nodes in (self.symmetry.left, self.symmetry.right)
-        )
-        ahead = scipy.sparse.csr_matrix((np.ones(right.size), (right, np.arange(right.size))), shape=(size, right.size))
-        return (here + lag * (ahead @ (self.symmetry.following() @ here[left]))).tocsr()
+        structure = self.structure
+        _, here, ahead = lagged_unknowns(structure.stiffness.shape[0], *boundary_unknowns(structure, self.symmetry))
+        every = structure.of_unknowns(scipy.sparse.identity(structure.full_size, format="csr"))
+        return (every @ (here + lag * ahead)).tocsr()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
+
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.superelement import PairsOfNodes, Superelement
@@ -33,8 +35,19 @@ class Substructure(Protocol):
     def without_recovery(self) -> Substructure:
         """Without what only the motion of the mesh requires, to send it to another process."""
 
+    def mean_structure(self) -> Superelement:
+        """The matrices of motions that are constant in time: those of a structure, or of nodal diameter 0 of a disk."""
+
     def require_structure(self) -> Superelement:
         """The single matrices of a structure. Raises InputError for a sector."""
 
     def require_sector(self) -> CyclicSector:
         """The matrices of each nodal diameter. Raises InputError for a structure."""
+
+
+def rows_of_mean(rows: FloatArray, size: int) -> FloatArray:
+    """Rows (..., n) of the n = ``size`` unknowns of :meth:`Substructure.mean_structure` from those (..., row_size).
+
+    Rows of a sector have the unknowns of this sector and of the next one, which do not differ in a constant motion.
+    """
+    return np.asarray(rows.reshape(*rows.shape[:-1], -1, size).sum(axis=-2))

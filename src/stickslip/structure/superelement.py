@@ -214,6 +214,10 @@ class Superelement:
         """Without what only the motion of the mesh requires."""
         return replace(self, recovery=None)
 
+    def mean_structure(self) -> Superelement:
+        """This one: its motions that are constant in time have the same matrices."""
+        return self
+
     def require_structure(self) -> Superelement:
         """This one: for analyses of single matrices."""
         return self

@@ -17,7 +17,7 @@ from stickslip.core.validation import FloatArray, positive_number
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.face_ties import TiedNodes, tie_nodes
 from stickslip.structure.mesh import IntArray, Mesh
-from stickslip.structure.sector_boundaries import Axis, symmetry_of_boundaries
+from stickslip.structure.sector_boundaries import Axis, require_distinct, symmetry_of_boundaries
 
 
 def tied_symmetry(
@@ -54,6 +54,7 @@ def tied_symmetry(
         with concerning(argument):
             sides.append(mesh.sides(name))
     first, second = (np.unique(np.concatenate([each.ravel() for each in every])) for every in sides)
+    require_distinct(mesh.points, first, "left")
     if tolerance is not None:
         positive_number("tolerance", tolerance, "m")
 

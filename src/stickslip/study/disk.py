@@ -65,7 +65,8 @@ class DiskOfStudy:
         return self.ring.motion(np.stack([self.wave.shifted(motion, sectors, ahead) for ahead in range(sectors)]))
 
     def ring_layout(self, layout: Layout) -> Layout:
-        """The layout on the mesh of all sectors; loads and responses are those of the first one."""
+        """The layout on the mesh of all sectors; loads and responses at nodes are those of the first
+        one."""
         ring, sectors, pairs = self.ring, range(self.sector.sectors), layout.face_pairs
         copied = {
             name: np.concatenate([getattr(pairs, name)] * len(sectors))
@@ -85,7 +86,16 @@ class DiskOfStudy:
                 name: replace(group, nodes=ring.number[0, group.nodes]) for name, group in layout.node_groups.items()
             },
             contact_sets=tuple(tuple(map(ring.set_name, names)) for names in layout.contact_sets),
+            unit_loads={name: self._on_ring(load) for name, load in layout.unit_loads.items()},
         )
+
+    def _on_ring(self, load: FloatArray) -> FloatArray:
+        """(3 * n_ring, k) N on the nodes of all sectors from those (3 * n_nodes, k) N of this one, alike in all."""
+        number, of_nodes = self.ring.number, load.reshape(-1, 3, load.shape[1])
+        answer = np.zeros((self.ring.mesh.n_nodes, *of_nodes.shape[1:]))
+        for sector, nodes in enumerate(number):
+            np.add.at(answer, nodes, self.structure.symmetry.rotation(sector) @ of_nodes)
+        return answer.reshape(-1, load.shape[1])
 
     def frequencies(self) -> Disk:
         """The natural frequencies of each nodal diameter with both linear limits of the contact."""

@@ -15,8 +15,8 @@ from stickslip.case.case import Case
 from stickslip.core.errors import ImportFileError, InputError
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
-from stickslip.model.kinds.cyclic import _require_no_equations
 from stickslip.model.kinds.mesh import MeshSetup
+from stickslip.model.kinds.sector_ties import require_no_attachments
 from stickslip.model.model import set_up
 from stickslip.structure.body_load import centrifugal_load, translation_inertia
 from stickslip.structure.elasticity import assemble_bodies, natural_frequencies
@@ -154,7 +154,7 @@ def test_a_sector_has_no_mass_points(tmp_path: Path) -> None:
     """Its matrices would lack them."""
     model = nastran(tmp_path, "CONM2,50,16,,2.-6")
     with rejects(InputError, "structure.file"):
-        _require_no_equations(model)
+        require_no_attachments(model)
 
 
 # kg, m, kg m2 of a body whose centre of gravity is at an offset from the reference node of a coupling

@@ -234,7 +234,10 @@ class TieCards:
     def _tie(self, card: Card) -> None:
         for name in ("CYCLIC SYMMETRY", "MULTISTAGE"):
             if name in card.parameters:
-                card.fail(f"{name} repeats a sector round an axis, which is not read. Write the complete model.")
+                card.fail(
+                    f"{name} repeats a sector round an axis, which is not read. Remove the card and give the "
+                    'boundaries as structure.left and structure.right of kind = "cyclic", or write the complete model.'
+                )
         word = card.parameters.get("POSITION TOLERANCE", "")
         tolerance = card.number(word, card.line) if word else None
         if tolerance is not None and tolerance < 0.0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
 from stickslip.core.errors import InputError, keys_of_section
 from stickslip.core.plausible import suspecting
+from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.model.kinds.bladed_disk_mesh import LEFT, RIGHT, BladedDisk
 from stickslip.model.kinds.body_materials import body_materials
@@ -28,20 +29,21 @@ from stickslip.model.kinds.mesh import (
     pairing_of,
     read_source,
 )
-from stickslip.model.kinds.mesh_places import node_groups_of
 from stickslip.model.kinds.mesh_support import require_support
 from stickslip.model.kinds.mistuning import blade_nodes
 from stickslip.model.kinds.own import OwnKind
+from stickslip.model.kinds.sector_ties import tied_sector
 from stickslip.model.layout import Derived, Layout, NodeGroup
 from stickslip.model.overlap import require_single_joints
 from stickslip.model.rotation import (
     ADD_CORIOLIS,
     free_body_messages,
-    rotating_sector,
+    sector_at_speed,
     speed_facts,
     speed_messages,
 )
 from stickslip.solve.excitation import TravellingWave
+from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.cyclic_symmetry import CyclicSymmetry
 from stickslip.structure.elasticity import Hexahedron, Material
 from stickslip.structure.mesh import IntArray, Mesh
@@ -78,6 +80,7 @@ class CyclicSetup:
     symmetry: CyclicSymmetry
     speed: float = 0.0  # rad/s
     coriolis: bool = False
+    top_speed: float | None = None  # rad/s, of one reduction for several speeds
 
     @property
     def layout(self) -> Layout:
@@ -91,7 +94,9 @@ class CyclicSetup:
         with keys_of_section("structure"):
             sector = SectorStructure(structure, self.symmetry)
             _ = sector.model  # its constraints are those of both boundaries
-        return sector if not self.speed else rotating_sector(sector, self.speed, self.coriolis)
+        if not (self.speed or self.top_speed):
+            return sector
+        return sector_at_speed(sector, self.speed, self.coriolis, self.top_speed)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """The sizes of the sector, and the disk."""
@@ -119,32 +124,35 @@ class CyclicKind(OwnKind[CyclicCase]):
         odd_values = tuple(model_oddities(mesh, dict(zip(mesh.body_names, materials, strict=True))))
         with suspecting(odd_values):
             symmetry = _symmetry(section, mesh)
-            _require_no_equations(source)
             _require_own_sector(mesh, symmetry, source)
             fixed = fixed_unknowns_of(_fixed(section), source)
             both = with_next_sector(mesh, symmetry)
             pairings = {name: pairing_of(both, name, each) for name, each in case.interfaces.items()}
             require_single_joints(both, case.interfaces)
-            groups = node_groups_of(case, source)
+            tied = tied_sector(case, source, symmetry, fixed, pairings)
+            groups, constraints = tied.groups, tied.constraints
             layout = _layout(both, symmetry, materials, pairings, groups)
-            require_support(mesh, symmetry.own_nodes(layout.face_pairs.nodes), fixed, None, source)
+            require_support(mesh, symmetry.own_nodes(layout.face_pairs.nodes), fixed, constraints, source)
             _require_free(symmetry, pairings, groups, fixed, source)
-        free = () if case.rotation is None else free_body_messages(mesh, fixed)
-        messages = (*source.doubts, *layout.messages, *free)
+        free = () if case.rotation is None else free_body_messages(mesh, fixed, constraints)
+        messages = (*source.doubts, *layout.messages, *tied.messages, *free)
         blade = None if case.mistuning is None else blade_nodes(case.mistuning, mesh, symmetry.sectors)
         layout = replace(
             layout,
             odd_values=odd_values,
+            facts=(*layout.facts, *tied.facts),
             messages=messages,
             notes=source.messages,
             body_names=mesh.body_names,
             blade_nodes=blade,
+            unit_loads=_unit_loads(case, mesh, materials, symmetry),
         )
         element: Hexahedron = "incompatible"
         if isinstance(section, SectorMeshSection) and section.element is not None:
             element = section.element
-        sector = MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values()))
-        return CyclicSetup(sector, symmetry, self.rotation_speed(case), _has_coriolis(case))
+        sector = MeshSetup(mesh, materials, fixed, element, layout, tuple(pairings.values()), constraints)
+        top_speed = None if case.rotation is None else case.rotation.top_speed
+        return CyclicSetup(sector, symmetry, self.rotation_speed(case), _has_coriolis(case), top_speed)
 
     def find_layout(self, case: CyclicCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the sector; ``mesh`` must be that of :func:`set_up`."""
@@ -179,12 +187,32 @@ class CyclicKind(OwnKind[CyclicCase]):
 
     def warnings(self, case: CyclicCase) -> tuple[str, ...]:
         """What a rotation does not change."""
-        return tuple(speed_messages(self.rotation_speed(case), False, _has_coriolis(case), ADD_CORIOLIS))
+        solved = case.preload.method == "solved"
+        return tuple(speed_messages(self.rotation_speed(case), solved, _has_coriolis(case), ADD_CORIOLIS))
+
+    def load_sizes(self, case: CyclicCase) -> Mapping[str, tuple[float, ...]]:
+        """The square of the speed in 1/s2, for the centrifugal load of a solved preload."""
+        if case.rotation is None or case.preload.method == "prescribed":
+            return {}
+        return {"rotation": (case.rotation.speed**2,)}
+
+    def _distributed_words(self, case: CyclicCase) -> list[str]:
+        speed = self.rotation_speed(case)
+        return [f"rotation at {speed:g} rad/s"] if speed else []
 
     def _excitation_words(self, case: CyclicCase) -> list[str]:
         wave = self.wave(case)
         forces = super()._excitation_words(case)
         return [f"{wave.direction.capitalize()} wave of engine order {wave.engine_order}: {' and '.join(forces)}"]
+
+
+def _unit_loads(
+    case: CyclicCase, mesh: Mesh, materials: Sequence[Material], symmetry: CyclicSymmetry
+) -> dict[str, FloatArray]:
+    """The centrifugal load (3 * n_nodes, 1) N of this sector at 1 rad/s, if it rotates."""
+    if case.rotation is None:
+        return {}
+    return {"rotation": centrifugal_load(mesh, materials, symmetry.direction, symmetry.point)[:, None]}
 
 
 def _has_coriolis(case: CyclicCase) -> bool:
@@ -233,21 +261,6 @@ def _symmetry(section: SectorMeshSection | BladedDiskSection, mesh: Mesh) -> Cyc
     except InputError as error:
         error.concern(*(f"structure.{name}" for name in error.keys))
         raise
-
-
-def _require_no_equations(source: ImportedModel) -> None:
-    if source.equations is not None:
-        raise InputError(
-            f"{source.source} contains ties, rigid bodies, couplings or equations, which a sector cannot have "
-            'yet. Give one mesh with common nodes, or the full ring with structure.kind = "mesh".',
-            ("structure.file",),
-        )
-    if source.attachments is not None:
-        raise InputError(
-            f"{source.source} has mass points or springs, which a sector cannot have yet. Remove them, or add "
-            "the mass to the density of a body.",
-            ("structure.file",),
-        )
 
 
 def _require_own_sector(mesh: Mesh, symmetry: CyclicSymmetry, source: ImportedModel) -> None:

@@ -147,8 +147,9 @@ class MeshKind(OwnKind[MeshCase]):
             ties = study_ties(mesh, source.equations, case.ties)
             named = dict(zip(case.interfaces, pairings, strict=True))
             groups = node_groups_of(case, source)
-            constraints = eliminated(ties, fixed, named, groups)
-            require_independent(constraints, source, named)
+            contact = {name: each.pairs.nodes for name, each in named.items()}
+            constraints = eliminated(ties, fixed, contact, groups)
+            require_independent(constraints, source, contact)
             groups |= following_groups(case, source, groups, ties, constraints)
             layout = _layout(case, source, materials, named, (fixed, constraints), groups, odd_values)
             if ties is not None:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.case.own_sections import TieSection
-from stickslip.contact.pairing.pairing_result import Pairing
 from stickslip.core.errors import InputError
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.model.layout import Derived, NodeGroup
@@ -66,26 +65,30 @@ def _tied(mesh: Mesh, name: str, section: TieSection) -> TiedNodes:
 
 
 def eliminated(
-    ties: StudyTies | None, fixed: IntArray, pairings: Mapping[str, Pairing], groups: Mapping[str, NodeGroup]
+    ties: StudyTies | None, fixed: IntArray, contact: Mapping[str, IntArray], groups: Mapping[str, NodeGroup]
 ) -> Constraints | None:
-    """The ties, where possible with the nodes of contact pairs, forces and responses as independent ones."""
+    """The ties, where possible with the nodes of contact pairs, forces and responses as independent ones.
+
+    ``contact`` are the nodes of each interface."""
     if ties is None:
         return None
-    nodes = [each.pairs.nodes for each in pairings.values()]
+    nodes = list(contact.values())
     nodes += [group.nodes for group in groups.values() if group.is_single]
     avoided = (3 * np.concatenate([np.empty(0, dtype=np.int64), *nodes])[:, None] + np.arange(3)).ravel()
     return eliminate(ties.equations, fixed, set(avoided.tolist()))
 
 
 def require_independent(
-    constraints: Constraints | None, source: ImportedModel, pairings: Mapping[str, Pairing]
+    constraints: Constraints | None, source: ImportedModel, contact: Mapping[str, IntArray]
 ) -> None:
-    """Raise InputError that names the interface for contact nodes that follow other nodes in any elimination."""
+    """Raise InputError that names the interface for contact nodes that follow other nodes in any elimination.
+
+    ``contact`` are the nodes of each interface."""
     if constraints is None:
         return
     dependent = constraints.dependent_unknowns
-    for name, each in pairings.items():
-        wrong = np.intersect1d(each.pairs.nodes, dependent // 3)
+    for name, nodes in contact.items():
+        wrong = np.intersect1d(nodes, dependent // 3)
         if wrong.size:
             leaders = np.unique(constraints.leaders(int(dependent[dependent // 3 == wrong[0]][0])) // 3)
             node, leader = (source.shown(source.node_labels[at]) for at in (wrong[0], leaders[0]))

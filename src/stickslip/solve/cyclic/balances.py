@@ -18,7 +18,6 @@ from stickslip.solve.cyclic.stuck_sector import (
     LaggedStructure,
     Matrix,
     StuckSector,
-    mean_of,
     pairs_on_mean,
     stuck_sector,
     wide_pairs,
@@ -206,7 +205,7 @@ def sector_balances(
     _require_damping(sector, modal_damping_ratio)
     _require_diameters(sector, wave, most_harmonics)
     pairs = wide_pairs(pairs, sector.size).with_update(update)
-    if only_friction_supports(mean_of(sector), pairs_on_mean(pairs)):
+    if only_friction_supports(sector.mean_structure(), pairs_on_mean(pairs)):
         # The stuck pairs of such a body carry its mean load: only they know where it is.
         pairs = pairs.retaining()
     force = force_on_sector(sector, excitation, wave, harmonics)

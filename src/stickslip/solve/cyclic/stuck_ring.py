@@ -18,7 +18,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.cyclic.full_ring import joined_pairs
 from stickslip.solve.cyclic.ring_waves import BladeChange, MistunedGain, RingModes, RingStatic, to_sectors
-from stickslip.solve.cyclic.stuck_sector import mean_of, pairs_on_mean
+from stickslip.solve.cyclic.stuck_sector import pairs_on_mean
 from stickslip.solve.excitation import ExcitationForce, TravellingWave, lag_of
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import NEAR_RANGE, Compliance
@@ -132,7 +132,7 @@ def stuck_ring(
             "differ here. Give the same stiffness to all, or solve full_ring.",
             arguments=["pairs"],
         )
-    on_mean = mean_of(sector), pairs_on_mean(first)
+    on_mean = sector.mean_structure(), pairs_on_mean(first)
     require_support_at_rest(*on_mean)
     if only_friction_supports(*on_mean):
         pairs = [each.retaining() for each in pairs]

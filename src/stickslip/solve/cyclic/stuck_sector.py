@@ -29,7 +29,7 @@ from stickslip.solve.harmonic.gain import ComplexArray, CoupledGain, DiagonalGai
 from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest
 from stickslip.structure.cyclic_sector import CyclicSector
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.substructure import rows_of_mean
 
 Matrix = NDArray[Any]  # real or complex
 
@@ -158,16 +158,10 @@ def stuck_sector(
     modal_damping_ratio: float | None,
 ) -> StuckSector:
     """The stuck sector of pairs with the operator (m, 2n). Raises InputError for a sector without support at rest."""
-    mean_structure, mean_pairs = mean_of(sector), pairs_on_mean(pairs)
+    mean_structure, mean_pairs = sector.mean_structure(), pairs_on_mean(pairs)
     require_support_at_rest(mean_structure, mean_pairs)
     mean, restraint = mean_factor(mean_structure, mean_pairs)
     return StuckSector(sector, wave, pairs, mean_pairs, mean, restraint, highest_omega, modal_damping_ratio)
-
-
-def mean_of(sector: CyclicSector) -> Superelement:
-    """The structure of the mean: all sectors move alike, nodal diameter 0."""
-    matrices = sector.lagged(0)
-    return Superelement(matrices.mass, matrices.stiffness, matrices.damping, sector.boundary_nodes)
 
 
 def wide_pairs(pairs: ContactPairs, size: int) -> ContactPairs:
@@ -188,8 +182,8 @@ def wide_pairs(pairs: ContactPairs, size: int) -> ContactPairs:
 
 def pairs_on_mean(pairs: ContactPairs) -> ContactPairs:
     """Pairs with the operator (m, n) of the mean, from those with (m, 2n)."""
-    here, following = np.hsplit(pairs.operator, 2)
-    return ContactPairs.with_laws(here + following, pairs.laws, pairs.members)
+    operator = rows_of_mean(pairs.operator, pairs.operator.shape[1] // 2)
+    return ContactPairs.with_laws(operator, pairs.laws, pairs.members)
 
 
 def _as_matrix(modal: Matrix) -> Matrix:
