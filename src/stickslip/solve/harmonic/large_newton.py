@@ -1,0 +1,96 @@
+"""The compliance in the Newton matrix of a large joint, in single precision.
+
+Its products read two matrices (m, k) from memory, many megabytes each, which takes most of the time of a curve. With
+numbers of half the length they take half the time or less. Newton's matrix contains springs for far modes anyway
+(:data:`stickslip.solve.harmonic.compliance.NEAR_RANGE`), an error of 1e-3; that of 1e-7 changes neither the solution
+nor the number of steps. Near modes and the residual remain in double precision.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.compiled import njit
+from stickslip.core.threads import in_shares
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.gain import ComplexArray, times_gain, with_gain
+
+SingleArray = NDArray[np.float32]
+IndexArray = NDArray[np.int64]
+
+# chosen: rows of a product in one thread at a time.
+ROWS_AT_ONCE = 128
+# chosen: columns for which each number of the matrix is read once; more need more registers than the processor has.
+COLUMNS = 6
+
+
+@dataclass(frozen=True)
+class LargeNewtonCompliance:
+    """``A`` of modes that all harmonics share, see :class:`stickslip.solve.harmonic.harmonic_modes.NewtonOperator`."""
+
+    mean_rows: SingleArray  # (m, k)
+    far_rows: SingleArray  # (m, k) static compliance of the far modes
+    left: FloatArray  # (m, p) near modes at all rows
+    right: FloatArray  # (k, p) near modes at the columns
+    gain: ComplexArray  # (H, p) or (H, p, p)
+
+    @property
+    def mean(self) -> SingleArray:
+        """(k, m) A of the mean."""
+        return self.mean_rows.T
+
+    def apply(self, deviation: FloatArray) -> FloatArray:
+        """A @ deviation: (2H+1, m) from (2H+1, k)."""
+        answer = times_gain(self.gain, deviation[1:] @ self.right) @ self.left.T
+        answer += products(self.far_rows, deviation[1:])
+        return np.vstack([products(self.mean_rows, deviation[:1]), answer])
+
+    def apply_transposed(self, weights: FloatArray) -> FloatArray:
+        """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
+        gain = self.gain.conj()
+        near = times_gain(gain.swapaxes(-1, -2) if gain.ndim == 3 else gain, weights[1:] @ self.left)
+        single = weights.astype(np.float32)
+        return np.vstack([single[:1] @ self.mean_rows, single[1:] @ self.far_rows + near @ self.right.T])
+
+    def block(self, order: int, rows: IndexArray) -> ComplexArray:
+        """``A_h`` (rows, k) of harmonic ``order`` >= 1."""
+        return with_gain(self.gain[order - 1], self.left[rows], self.right) + self.far_rows[rows]
+
+
+def products(matrix: SingleArray, vectors: FloatArray) -> FloatArray:
+    """``vectors @ matrix^T`` (c, m) for a matrix (m, k) and vectors (c, k), with the accuracy of single precision."""
+    single, answer = vectors.astype(np.float32), np.empty((len(vectors), len(matrix)), dtype=np.float32)
+    in_shares(lambda start, stop: _multiply(matrix, single, answer, start, stop), len(matrix), ROWS_AT_ONCE)
+    return answer.astype(float)
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _multiply(matrix: SingleArray, vectors: SingleArray, answer: SingleArray, start: int, stop: int) -> None:
+    """:func:`products` in the rows ``start`` to ``stop`` of the matrix."""
+    count, size = vectors.shape
+    grouped = count - count % COLUMNS
+    for row in range(start, stop):
+        numbers = matrix[row]
+        for first in range(0, grouped, COLUMNS):
+            a, b, c = vectors[first], vectors[first + 1], vectors[first + 2]
+            d, e, f = vectors[first + 3], vectors[first + 4], vectors[first + 5]
+            sum_a = sum_b = sum_c = sum_d = sum_e = sum_f = np.float32(0.0)
+            for i in range(size):
+                number = numbers[i]
+                sum_a += number * a[i]
+                sum_b += number * b[i]
+                sum_c += number * c[i]
+                sum_d += number * d[i]
+                sum_e += number * e[i]
+                sum_f += number * f[i]
+            answer[first, row], answer[first + 1, row], answer[first + 2, row] = sum_a, sum_b, sum_c
+            answer[first + 3, row], answer[first + 4, row], answer[first + 5, row] = sum_d, sum_e, sum_f
+        for column in range(grouped, count):
+            vector = vectors[column]
+            total = np.float32(0.0)
+            for i in range(size):
+                total += numbers[i] * vector[i]
+            answer[column, row] = total
