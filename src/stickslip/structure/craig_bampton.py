@@ -15,7 +15,15 @@ from stickslip.core.threads import in_threads
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
-from stickslip.structure.factor import MANY_COLUMNS, Backend, Factor, checked_solver, factor_forecast, factorize
+from stickslip.structure.factor import (
+    MANY_COLUMNS,
+    PARDISO_SIZE,
+    Backend,
+    Factor,
+    checked_solver,
+    factor_forecast,
+    factorize,
+)
 from stickslip.structure.floating_parts import floating_message
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
@@ -28,6 +36,8 @@ BLOCK = 64
 # A larger boundary is reduced block by block: the product of the constraint modes with the mass, for each column two
 # operations for each number of all of them, then takes longer than a second solution (docs/performance.md).
 LARGE_BOUNDARY = MANY_COLUMNS
+# chosen: from this number of interior unknowns on a mesh is eliminated by fronts (docs/performance.md).
+LARGE_INTERIOR = PARDISO_SIZE
 
 
 def craig_bampton(
@@ -91,7 +101,8 @@ def _reduced(
     report = progress or (lambda fraction, detail: None)
     damping, mesh = getattr(structure, "damping", None), getattr(structure, "mesh", None)
     matrices = (structure.stiffness, structure.mass, damping)
-    if len(boundary) >= LARGE_BOUNDARY and backend == "superlu" and damping is None and mesh is not None:
+    is_large = len(boundary) >= LARGE_BOUNDARY or len(interior) >= LARGE_INTERIOR
+    if is_large and backend == "superlu" and damping is None and mesh is not None:
         _require_modes(n_modes, interior)
         of_mesh = structure.node, mesh.points
         reduced = _reduced_by_fronts(matrices, of_mesh, boundary, interior, n_modes, threads, report)
