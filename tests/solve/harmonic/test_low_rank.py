@@ -26,14 +26,14 @@ def balance(blade: Blade) -> Balance:
     force = Excitation.force(blade.force_cos, blade.force_sin)
     highest = 2.0 * np.pi * max(blade.window_hz)
     return prepare_balances(
-        blade.superelement, blade.pairs, force, highest, 3, 128, None, "implicit", lambda _: None
+        blade.superelement, blade.pairs, force, highest, 3, 128, None, "tractrix", lambda _: None
     ).with_harmonics(3)
 
 
 def system_of(balance: Balance) -> NewtonSystem:
     """The equations at a motion with slip and separation."""
     springs = balance.pairs.resting_stiffness()
-    relative = RNG.standard_normal((7, balance.rows)) * balance.pairs.normal_load().max() / springs.max()
+    relative = RNG.standard_normal((7, balance.rows)) * balance.pairs.laws[0].normal_load.max() / springs.max()
     return NewtonSystem(balance, balance.evaluate(relative, 2.0 * np.pi * 100.0))
 
 
