@@ -38,7 +38,10 @@ def main() -> None:
     structure = build_structure(case)
     joint = build_joint(case, structure)
     size = structure.stiffness.shape[0]
-    print(f"{size} unknowns, {joint.face_pairs.n_pairs} pairs, {time.process_time():.0f} s, {memory_gb():.1f} GB", flush=True)
+    print(
+        f"{size} unknowns, {joint.face_pairs.n_pairs} pairs, {time.process_time():.0f} s, {memory_gb():.1f} GB",
+        flush=True,
+    )
     begin, stages = time.process_time(), [""]
 
     def report(done: float, stage: str) -> None:

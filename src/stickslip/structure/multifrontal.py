@@ -264,7 +264,9 @@ class _Elimination:
         if count <= LARGE_FRONT:
             work(slice(0, count))
             return
-        in_threads(lambda start: work(slice(start, min(start + COLUMNS, count))), range(0, count, COLUMNS), self._threads)
+        in_threads(
+            lambda start: work(slice(start, min(start + COLUMNS, count))), range(0, count, COLUMNS), self._threads
+        )
 
 
 def _subtract(matrix: FloatArray, left: FloatArray, right: FloatArray, columns: slice) -> None:

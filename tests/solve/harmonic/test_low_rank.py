@@ -14,8 +14,9 @@ from stickslip.solve.harmonic import harmonic_modes, reduced
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.factors import iterated
 from stickslip.solve.harmonic.harmonic_modes import NewtonCompliance
-from stickslip.solve.harmonic.large_newton import COLUMNS, LargeNewtonCompliance, products
+from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance, products
 from stickslip.solve.harmonic.reduced import NewtonSystem
+from stickslip.solve.harmonic.row_products import VECTORS, row_products
 from stickslip.solve.setting_up import prepare_balances
 
 RNG = np.random.default_rng(4)
@@ -45,7 +46,7 @@ def borders(system: NewtonSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
 def test_the_inverse_is_exact_for_the_compliance_of_low_rank(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reduced, "LARGE_ROWS", 1)
     system = system_of(balance)
-    assert 0 < system.active.outputs.size
+    assert system.active.outputs.size > 0
     columns, lines, corner = borders(system)
     inverse = system.low_rank_inverse(columns, lines, corner)
     assert inverse is not None
@@ -86,9 +87,10 @@ def test_joints_of_few_rows_have_no_such_inverse(balance: Balance) -> None:
     assert isinstance(system.compliance, NewtonCompliance)
 
 
-@pytest.mark.parametrize("columns", [1, COLUMNS - 1, COLUMNS, 2 * COLUMNS + 3])
-def test_products_in_single_precision(columns: int) -> None:
-    matrix, vectors = RNG.standard_normal((300, 70)), RNG.standard_normal((columns, 70))
+@pytest.mark.parametrize("count", [1, VECTORS - 1, VECTORS, 2 * VECTORS + 3])
+def test_products_in_both_precisions(count: int) -> None:
+    matrix, vectors = RNG.standard_normal((300, 70)), RNG.standard_normal((count, 70))
+    np.testing.assert_allclose(row_products(matrix, vectors), vectors @ matrix.T, atol=1e-13)
     np.testing.assert_allclose(products(matrix.astype(np.float32), vectors), vectors @ matrix.T, atol=2e-5)
 
 

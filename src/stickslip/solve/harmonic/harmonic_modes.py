@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.gain import ComplexArray, times_gain, with_gain
 from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
+from stickslip.solve.harmonic.row_products import row_products
 
 IndexArray = NDArray[np.int64]
 
@@ -144,10 +145,12 @@ class SharedModes:
         near: int,
         mean_shapes: Callable[[], FloatArray],
     ) -> None:
-        self.modes, self.contact, self.mean_shapes = modes, contact, mean_shapes
+        self.modes, self.contact, self.mean_shapes = modes, np.ascontiguousarray(contact), mean_shapes
         far = contact[:, near:]
         self._far = (far / circular_frequency[near:] ** 2) @ far.T
         self._near_contact = np.ascontiguousarray(contact[:, :near])
+        # the modes at the contact of a large joint, one in each row
+        self._by_mode = np.ascontiguousarray(contact.T) if len(contact) >= LARGE_ROWS else None
         self._cached: tuple[bytes, NDArray[Any], NDArray[Any]] | None = None
 
     def of_force(self, force: FloatArray) -> FloatArray:
@@ -159,11 +162,16 @@ class SharedModes:
         columns = np.flatnonzero(force.any(axis=0))
         if 2 * columns.size < force.shape[1]:
             return np.asarray(force[:, columns] @ self.contact[columns])
+        if self._by_mode is not None:
+            return row_products(self._by_mode, force)
         return np.asarray(force @ self.contact)
 
     def relative(self, amplitude: FloatArray, out: FloatArray) -> None:
         """See :class:`HarmonicModes`."""
-        np.matmul(amplitude, self.contact.T, out=out)
+        if self._by_mode is not None:
+            out[...] = row_products(self.contact, amplitude)
+        else:
+            np.matmul(amplitude, self.contact.T, out=out)
 
     def displacement(self, amplitude: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
@@ -171,7 +179,7 @@ class SharedModes:
         return np.asarray((amplitude.reshape(-1, shape[-1]) @ self.modes.T).reshape(shape))
 
     def low_rank(self, columns: IndexArray, gain: ComplexArray, compliance: float) -> LowRankCompliance:
-        """The near modes that are softer than a ``compliance`` in m/N in any harmonic, for deviations on ``columns``."""
+        """The near modes that are softer than a ``compliance`` in m/N in any harmonic, for deviations on columns."""
         own = np.abs(gain if gain.ndim == 2 else np.einsum("hii->hi", gain)).max(axis=0)
         chosen = np.flatnonzero(own * (self._near_contact**2).sum(axis=0) > compliance)
         part = gain[:, chosen] if gain.ndim == 2 else gain[:, chosen[:, None], chosen]

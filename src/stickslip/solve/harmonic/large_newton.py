@@ -13,18 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.core.compiled import njit
-from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.gain import ComplexArray, times_gain, with_gain
+from stickslip.solve.harmonic.row_products import row_products
 
 SingleArray = NDArray[np.float32]
 IndexArray = NDArray[np.int64]
-
-# chosen: rows of a product in one thread at a time.
-ROWS_AT_ONCE = 128
-# chosen: columns for which each number of the matrix is read once; more need more registers than the processor has.
-COLUMNS = 6
 
 
 @dataclass(frozen=True)
@@ -62,35 +56,4 @@ class LargeNewtonCompliance:
 
 def products(matrix: SingleArray, vectors: FloatArray) -> FloatArray:
     """``vectors @ matrix^T`` (c, m) for a matrix (m, k) and vectors (c, k), with the accuracy of single precision."""
-    single, answer = vectors.astype(np.float32), np.empty((len(vectors), len(matrix)), dtype=np.float32)
-    in_shares(lambda start, stop: _multiply(matrix, single, answer, start, stop), len(matrix), ROWS_AT_ONCE)
-    return answer.astype(float)
-
-
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _multiply(matrix: SingleArray, vectors: SingleArray, answer: SingleArray, start: int, stop: int) -> None:
-    """:func:`products` in the rows ``start`` to ``stop`` of the matrix."""
-    count, size = vectors.shape
-    grouped = count - count % COLUMNS
-    for row in range(start, stop):
-        numbers = matrix[row]
-        for first in range(0, grouped, COLUMNS):
-            a, b, c = vectors[first], vectors[first + 1], vectors[first + 2]
-            d, e, f = vectors[first + 3], vectors[first + 4], vectors[first + 5]
-            sum_a = sum_b = sum_c = sum_d = sum_e = sum_f = np.float32(0.0)
-            for i in range(size):
-                number = numbers[i]
-                sum_a += number * a[i]
-                sum_b += number * b[i]
-                sum_c += number * c[i]
-                sum_d += number * d[i]
-                sum_e += number * e[i]
-                sum_f += number * f[i]
-            answer[first, row], answer[first + 1, row], answer[first + 2, row] = sum_a, sum_b, sum_c
-            answer[first + 3, row], answer[first + 4, row], answer[first + 5, row] = sum_d, sum_e, sum_f
-        for column in range(grouped, count):
-            vector = vectors[column]
-            total = np.float32(0.0)
-            for i in range(size):
-                total += numbers[i] * vector[i]
-            answer[column, row] = total
+    return row_products(matrix, vectors.astype(np.float32)).astype(float)
