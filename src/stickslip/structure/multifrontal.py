@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse
+from numpy.typing import NDArray
 from scipy.linalg.blas import dsyr2k, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
@@ -31,51 +32,12 @@ from stickslip.core.threads import in_threads
 from stickslip.core.validation import FloatArray
 from stickslip.structure.dissection import nested_dissection
 from stickslip.structure.mesh import IntArray
+from stickslip.structure.triangular import WIDEST_PANEL, TriangularFactor
 
 # chosen: columns of a larger front are worked on by several threads, so many at a time. The division does not depend on
 # the number of threads, and neither do the digits.
 COLUMNS = 256
 LARGE_FRONT = 1024
-
-
-@dataclass(frozen=True)
-class _Front:
-    """The eliminated part of a front: rows of the unknowns in the order of elimination."""
-
-    first: int
-    stop: int  # of its own unknowns
-    later: IntArray  # (r,) rows of the other interior unknowns that it acts on
-    own: FloatArray  # (p, p), L_pp in the lower triangle
-    below: FloatArray  # (r, p), L_rp
-
-
-@dataclass(frozen=True)
-class MultifrontalFactor:
-    """``K_ii = L L^T`` by fronts; ``order`` (n_interior,) is the unknown of each row."""
-
-    order: IntArray
-    fronts: tuple[_Front, ...]
-
-    @property
-    def numbers(self) -> int:
-        """Number of stored numbers."""
-        return sum(front.own.size + front.below.size for front in self.fronts)
-
-    def solve(self, right: FloatArray) -> FloatArray:
-        """``K_ii^-1 right`` of (n_interior,) or (n_interior, k)."""
-        columns = right[:, None] if right.ndim == 1 else right
-        rows = np.ascontiguousarray(columns[self.order])
-        for front in self.fronts:
-            own = rows[front.first : front.stop]
-            own[...] = dtrsm(1.0, front.own.T, own.T, side=1, lower=0).T
-            rows[front.later] -= front.below @ own
-        for front in reversed(self.fronts):
-            own = rows[front.first : front.stop]
-            own -= front.below.T @ rows[front.later]
-            own[...] = dtrsm(1.0, front.own.T, own.T, side=1, lower=0, trans_a=1).T
-        answer = np.empty_like(rows)
-        answer[self.order] = rows
-        return answer.reshape(right.shape)
 
 
 def condensed(
@@ -87,7 +49,7 @@ def condensed(
     beside: int = 0,
     threads: int = 1,
     progress: Callable[[float], None] | None = None,
-) -> tuple[MultifrontalFactor, list[FloatArray]]:
+) -> tuple[TriangularFactor, list[FloatArray]]:
     """The factor of ``K_ii``, and each matrix condensed to the boundary with the constraint modes of K.
 
     Parameters
@@ -125,8 +87,9 @@ def condensed(
             progress(first / max(len(interior), 1))
     place = np.empty(matrices[0].shape[0], dtype=np.int64)
     place[interior] = np.arange(len(interior))
-    factor = MultifrontalFactor(place[order[: len(interior)]], tuple(elimination.fronts))
-    return factor, elimination.boundary_matrices()
+    row = np.empty(len(interior), dtype=np.int32)
+    row[place[order[: len(interior)]]] = np.arange(len(interior))
+    return elimination.factor(row), elimination.boundary_matrices()
 
 
 def _fronts_of(matrices: Sequence[Any], node: IntArray, position: FloatArray, interior: IntArray) -> list[IntArray]:
@@ -160,6 +123,27 @@ class _Waiting:
     updates: list[FloatArray]
 
 
+@dataclass
+class _Panel:
+    """Neighbouring columns of L D L^T, see :class:`TriangularFactor`: its numbers, the rows below, and D."""
+
+    first: int
+    values: FloatArray
+    rows: IntArray
+    diagonal: FloatArray
+
+
+def _panels(first: int, own: FloatArray, below: FloatArray, later: IntArray) -> list[_Panel]:
+    """The panels of a front whose Cholesky factor (p, p) is the lower triangle of ``own``, and (r, p) ``below``."""
+    roots, panels = own.diagonal(), []
+    for start in range(0, len(own), WIDEST_PANEL):
+        stop = min(start + WIDEST_PANEL, len(own))
+        values = np.vstack([own[start:, start:stop], below[:, start:stop]]) / roots[start:stop]
+        rows = np.append(first + np.arange(stop, len(own)), later)
+        panels.append(_Panel(first + start, values, rows, roots[start:stop] ** 2))
+    return panels
+
+
 class _Elimination:
     """The elimination of one front after the other."""
 
@@ -169,7 +153,7 @@ class _Elimination:
         self._local = np.empty(self._size, dtype=np.int64)
         self._waiting: dict[int, list[_Waiting]] = {}  # by the first row, which is one of a later front
         self._boundary = [np.zeros((n_boundary + beside, n_boundary + beside)) for _ in matrices]
-        self.fronts: list[_Front] = []
+        self._panels: list[_Panel] = []
         boundary = np.arange(n_interior, self._size)
         self._local[boundary] = boundary - n_interior
         none = np.empty((0, 0))
@@ -198,9 +182,24 @@ class _Elimination:
         for front in fronts[1:]:
             self._condensed(*front, constraint)
         inside = int(np.searchsorted(later, self._interior))
-        below = fronts[0][1] if inside == rest else fronts[0][1][:inside].copy()
-        self.fronts.append(_Front(first, stop, later[:inside], fronts[0][0], below))
+        self._panels += _panels(first, fronts[0][0], fronts[0][1][:inside], later[:inside])
         self._leave(_Waiting(later, [update for _, _, update in fronts]), inside)
+
+    def factor(self, row: NDArray[np.int32]) -> TriangularFactor:
+        """The factor of the interior, complete; ``row`` (n_interior,) is the row of each unknown. Empties this one."""
+        panels, self._panels = self._panels, []
+        firsts = [each.first for each in panels]
+        row_starts = np.cumsum([0, *(len(each.rows) for each in panels)])
+        value_starts = np.cumsum([0, *(each.values.size for each in panels)])
+        rows, values = np.empty(row_starts[-1], dtype=np.int32), np.empty(value_starts[-1])
+        diagonal = np.concatenate([each.diagonal for each in panels])
+        for k in range(len(panels) - 1, -1, -1):  # each panel is released once it is copied
+            panel = panels.pop()
+            rows[row_starts[k] : row_starts[k + 1]] = panel.rows
+            values[value_starts[k] : value_starts[k + 1]] = panel.values.ravel()
+        return TriangularFactor(
+            np.array([*firsts, self._interior]), row_starts, rows, value_starts, values, diagonal, row
+        )
 
     def boundary_matrices(self) -> list[FloatArray]:
         """The condensed matrices, complete."""
