@@ -39,8 +39,8 @@ class LargeNewtonCompliance:
     def apply(self, deviation: FloatArray) -> FloatArray:
         """A @ deviation: (2H+1, m) from (2H+1, k)."""
         answer = times_gain(self.gain, deviation[1:] @ self.right) @ self.left.T
-        answer += products(self.far_rows, deviation[1:])
-        return np.vstack([products(self.mean_rows, deviation[:1]), answer])
+        answer += row_products(self.far_rows, deviation[1:])
+        return np.vstack([row_products(self.mean_rows, deviation[:1]), answer])
 
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
@@ -52,8 +52,3 @@ class LargeNewtonCompliance:
     def block(self, order: int, rows: IndexArray) -> ComplexArray:
         """``A_h`` (rows, k) of harmonic ``order`` >= 1."""
         return with_gain(self.gain[order - 1], self.left[rows], self.right) + self.far_rows[rows]
-
-
-def products(matrix: SingleArray, vectors: FloatArray) -> FloatArray:
-    """``vectors @ matrix^T`` (c, m) for a matrix (m, k) and vectors (c, k), with the accuracy of single precision."""
-    return row_products(matrix, vectors.astype(np.float32)).astype(float)
