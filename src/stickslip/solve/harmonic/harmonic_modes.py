@@ -188,12 +188,15 @@ class SharedModes:
 
     def newton(self, mean_contact: FloatArray, columns: IndexArray, gain: ComplexArray) -> NewtonOperator:
         """See :class:`HarmonicModes`."""
-        key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS
+        near = self._near_contact
+        # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
+        key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS and near.shape[1] < self.contact.shape[1]
         if self._cached is None or self._cached[0] != key:
-            self._cached = key, *(_of_columns(each, columns, large) for each in (mean_contact, self._far))
+            self._cached = key, _of_columns(mean_contact, columns, large), _of_columns(self._far, columns, large)
         _, mean, far = self._cached
-        kind = LargeNewtonCompliance if large else NewtonCompliance
-        return kind(mean, far, self._near_contact, self._near_contact[columns], gain)
+        if large:
+            return LargeNewtonCompliance(mean, far, near, near[columns], gain)
+        return NewtonCompliance(mean, far, near, near[columns], gain)
 
 
 def _of_columns(matrix: FloatArray, columns: IndexArray, large: bool) -> NDArray[Any]:

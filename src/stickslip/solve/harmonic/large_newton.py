@@ -32,9 +32,9 @@ class LargeNewtonCompliance:
     gain: ComplexArray  # (H, p) or (H, p, p)
 
     @property
-    def mean(self) -> SingleArray:
+    def mean(self) -> FloatArray:
         """(k, m) A of the mean."""
-        return self.mean_rows.T
+        return self.mean_rows.T.astype(float)
 
     def apply(self, deviation: FloatArray) -> FloatArray:
         """A @ deviation: (2H+1, m) from (2H+1, k)."""

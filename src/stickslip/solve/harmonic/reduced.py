@@ -69,7 +69,7 @@ class NewtonSystem:
     def low_rank_inverse(self, columns: FloatArray, lines: FloatArray, corner: FloatArray) -> LowRankInverse | None:
         """The preconditioner of a large joint, with borders (:class:`LowRankInverse`); None for others."""
         stiffness = float(self._balance.springs.max(initial=0.0))
-        if self.rows < LARGE_ROWS or not stiffness:
+        if self.rows < LARGE_ROWS or not stiffness or not self.size:
             return None
         compliance = self._balance.compliance.low_rank(self._omega, self.active.outputs, stiffness)
         return None if compliance is None else LowRankInverse(self, compliance, columns, lines, corner)
