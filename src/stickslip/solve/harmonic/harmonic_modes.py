@@ -192,13 +192,18 @@ class SharedModes:
         # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
         key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS and near.shape[1] < self.contact.shape[1]
         if self._cached is None or self._cached[0] != key:
-            self._cached = key, _of_columns(mean_contact, columns, large), _of_columns(self._far, columns, large)
+            self._cached = (key, *_of_columns(mean_contact, self._far, columns, large))
         _, mean, far = self._cached
         if large:
             return LargeNewtonCompliance(mean, far, near, near[columns], gain)
         return NewtonCompliance(mean, far, near, near[columns], gain)
 
 
-def _of_columns(matrix: FloatArray, columns: IndexArray, large: bool) -> NDArray[Any]:
-    """Some columns of a symmetric matrix: as rows (k, m), or (m, k) in single precision for a large joint."""
-    return matrix[columns] if not large else matrix.astype(np.float32)[:, columns]
+def _of_columns(
+    mean: FloatArray, far: FloatArray, columns: IndexArray, large: bool
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Some columns of both symmetric matrices: as rows (k, m), or (m, k) for a large joint, the second one in single
+    precision."""
+    if large:
+        return mean[:, columns], far.astype(np.float32)[:, columns]
+    return mean[columns], far[columns]
