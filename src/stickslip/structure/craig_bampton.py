@@ -15,10 +15,19 @@ from stickslip.core.threads import in_threads
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
-from stickslip.structure.factor import MANY_COLUMNS, Backend, Factor, factor_forecast, factorize
+from stickslip.structure.factor import (
+    MANY_COLUMNS,
+    PARDISO_SIZE,
+    Backend,
+    Factor,
+    checked_solver,
+    factor_forecast,
+    factorize,
+)
 from stickslip.structure.floating_parts import floating_message
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
+from stickslip.structure.multifrontal import condensed
 from stickslip.structure.recovery import FullModel, Recovery, partition
 from stickslip.structure.superelement import Superelement
 
@@ -27,6 +36,8 @@ BLOCK = 64
 # A larger boundary is reduced block by block: the product of the constraint modes with the mass, for each column two
 # operations for each number of all of them, then takes longer than a second solution (docs/performance.md).
 LARGE_BOUNDARY = MANY_COLUMNS
+# chosen: from this number of interior unknowns on a mesh is eliminated by fronts (docs/performance.md).
+LARGE_INTERIOR = PARDISO_SIZE
 
 
 def craig_bampton(
@@ -88,8 +99,15 @@ def _reduced(
     nodes = checked_boundary(boundary_nodes)
     boundary, interior = partition(structure, nodes)
     report = progress or (lambda fraction, detail: None)
-    matrices = (structure.stiffness, structure.mass, getattr(structure, "damping", None))
-    reduced = reduced_matrices(matrices, structure.node, boundary, interior, n_modes, backend, threads, report)
+    damping, mesh = getattr(structure, "damping", None), getattr(structure, "mesh", None)
+    matrices = (structure.stiffness, structure.mass, damping)
+    is_large = len(boundary) >= LARGE_BOUNDARY or len(interior) >= LARGE_INTERIOR
+    if is_large and backend == "superlu" and damping is None and mesh is not None:
+        _require_modes(n_modes, interior)
+        of_mesh = structure.node, mesh.points
+        reduced = _reduced_by_fronts(matrices, of_mesh, boundary, interior, n_modes, threads, report)
+    else:
+        reduced = reduced_matrices(matrices, structure.node, boundary, interior, n_modes, backend, threads, report)
     recovery = Recovery(structure, nodes, reduced.modes, backend, threads, reduced.factor)
     return Superelement(reduced.mass, reduced.stiffness, reduced.damping, boundary_nodes=nodes, recovery=recovery)
 
@@ -124,12 +142,7 @@ def reduced_matrices(
     see :func:`craig_bampton`.
     """
     stiffness, mass, damping = matrices
-    if not 0 <= n_modes < len(interior):
-        raise InputError(
-            f"n_modes is {n_modes}; with {len(interior)} interior unknowns it must be between 0 and "
-            f"{len(interior) - 1}.",
-            ("n_modes",),
-        )
+    _require_modes(n_modes, interior)
     stiffness_ii, stiffness_ib = stiffness[interior][:, interior], stiffness[interior][:, boundary]
     report(0.0, factor_forecast(len(interior), backend))
     try:
@@ -158,6 +171,52 @@ def reduced_matrices(
     whirl = None if gyroscopic is None else _projected(gyroscopic, boundary, interior, transformation, threads, -1)
     modes = transformation[:, n_boundary:].copy()
     return ReducedMatrices(reduced_mass, reduced_stiffness, reduced_damping, modes, factor, whirl)
+
+
+def _require_modes(n_modes: int, interior: IntArray) -> None:
+    """Raise InputError for a number of modes that the interior does not have."""
+    if not 0 <= n_modes < len(interior):
+        raise InputError(
+            f"n_modes is {n_modes}; with {len(interior)} interior unknowns it must be between 0 and "
+            f"{len(interior) - 1}.",
+            ("n_modes",),
+        )
+
+
+def _reduced_by_fronts(
+    matrices: tuple[Any, Any, Any],
+    of_mesh: tuple[IntArray, FloatArray],
+    boundary: IntArray,
+    interior: IntArray,
+    n_modes: int,
+    threads: int,
+    report: ProgressCallback,
+) -> ReducedMatrices:
+    """:func:`reduced_matrices` of stiffness and mass of a mesh with a large boundary, without constraint modes.
+
+    ``of_mesh`` are the node of each unknown and the positions of the nodes. See
+    :mod:`stickslip.structure.multifrontal`; ``Psi^T M_ii Phi = -K_bi K_ii^-1 M_ii Phi`` of the modes.
+    """
+    stiffness, mass, _ = matrices
+    count, inner_stiffness = len(boundary), stiffness[interior][:, interior]
+    report(0.0, f"condensation of {len(interior)} unknowns")
+    try:
+        fronts, (reduced_stiffness, reduced_mass) = condensed(
+            (stiffness, mass), *of_mesh, boundary, interior, n_modes, threads,
+            lambda done: report(0.7 * done, f"condensation of {len(interior)} unknowns"),
+        )  # fmt: skip
+        residual = checked_solver(inner_stiffness, fronts.solve, "multifrontal")
+    except SingularMatrixError as error:
+        raise InputError(floating_message(inner_stiffness, of_mesh[0][interior])) from error
+    factor = Factor(len(interior), residual, threads, fronts.solve)
+    squared, modes = _fixed_interface_modes(matrices, interior, factor, n_modes, lambda _, words: report(0.7, words))
+    weighted = mass[interior][:, interior] @ modes
+    coupling = mass[boundary][:, interior] @ modes - stiffness[boundary][:, interior] @ factor.solve(weighted)
+    reduced_mass[:count, count:], reduced_mass[count:, :count] = coupling, coupling.T
+    corner = modes.T @ weighted
+    reduced_mass[count:, count:] = 0.5 * (corner + corner.T)
+    reduced_stiffness[count:, count:] = np.diag(squared)
+    return ReducedMatrices(reduced_mass, reduced_stiffness, None, modes, factor)
 
 
 def _fixed_interface_modes(

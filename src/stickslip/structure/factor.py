@@ -130,6 +130,17 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
     uses_superlu = backend == "superlu" or dtype is complex
     superlu = _superlu(matrix) if uses_superlu else None
     solve = _pardiso(matrix) if superlu is None else superlu.solve
+    residual = checked_solver(matrix, solve, backend)
+    # PARDISO has its own threads; several threads may use a SuperLU factor at a time.
+    is_real = dtype is float
+    return Factor(matrix.shape[0], residual, threads if uses_superlu else 1, solve, dtype, superlu if is_real else None)
+
+
+def checked_solver(matrix: Any, solve: Callable[[FloatArray], FloatArray], name: str) -> float:
+    """The backward error of a solver of a matrix, checked on one exact solution.
+
+    Raises SingularMatrixError and ConvergenceError as :func:`factorize` does.
+    """
     residual, solution_error = _errors(matrix, solve)
     if not solution_error <= SOLUTION_ERROR_LIMIT:
         # The digits of a larger error are round-off.
@@ -140,12 +151,10 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
         )
     if not residual <= RESIDUAL_LIMIT:
         raise ConvergenceError(
-            f"the {backend} factor of a matrix with {matrix.shape[0]} unknowns has a relative residual of "
+            f"the {name} factor of a matrix with {matrix.shape[0]} unknowns has a relative residual of "
             f"{residual:.1e} (allowed: {RESIDUAL_LIMIT:.0e}). Scale the matrix, or try the other backend."
         )
-    # PARDISO has its own threads; several threads may use a SuperLU factor at a time.
-    is_real = dtype is float
-    return Factor(matrix.shape[0], residual, threads if uses_superlu else 1, solve, dtype, superlu if is_real else None)
+    return residual
 
 
 def negative_pivots(matrix: Any) -> int:

@@ -20,7 +20,7 @@ import scipy.sparse
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import NodePairs
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 
 # Allowed error of the inverse of the part of own nodes in the relative displacements, which are products of unit
 # vectors; chosen: far above their round-off, far below any weight of a node.
@@ -83,6 +83,11 @@ class RelativeModel:
     def mass(self) -> Any:
         """csr ``T^T M T``."""
         return (self.transformation.T @ self.base.mass @ self.transformation).tocsr()
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh of the structure."""
+        return self.base.mesh
 
     @property
     def full_size(self) -> int:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -9,8 +12,9 @@ from helpers import Blade
 from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
-from stickslip.solve.harmonic import reduced
+from stickslip.solve.harmonic import harmonic_modes, reduced
 from stickslip.solve.harmonic.compliance import StuckStructure
+from stickslip.solve.harmonic.low_rank import LowRankInverse
 
 HARMONICS, SAMPLES = 3, 128
 
@@ -66,11 +70,26 @@ def dense_correction(blade: Blade, omega: float, u: np.ndarray) -> float:
     return float(np.linalg.norm(here - start)) / size
 
 
+def counted(solve: Callable[..., Any], calls: list[LowRankInverse]) -> Callable[..., Any]:
+    """A method that adds its object to ``calls``."""
+
+    def solve_counted(inverse: LowRankInverse, right: np.ndarray) -> np.ndarray:
+        calls.append(inverse)
+        return np.asarray(solve(inverse, right))
+
+    return solve_counted
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ["factor", "iteration", "iteration with few near modes"])
+@pytest.mark.parametrize("way", ["factor", "iteration", "iteration with few near modes", "large joint"])
 def test_every_point_equals_the_dense_newton(blade: Blade, way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     if way != "factor":
         monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    solved: list[LowRankInverse] = []
+    if way == "large joint":
+        for module in (reduced, harmonic_modes):
+            monkeypatch.setattr(module, "LARGE_ROWS", 1)
+        monkeypatch.setattr(LowRankInverse, "solve", counted(LowRankInverse.solve, solved))
     if way == "iteration with few near modes":
         near_range = (3.0,)  # the only default value
         assert len(StuckStructure.compliance.__defaults__ or ()) == len(near_range)
@@ -78,6 +97,7 @@ def test_every_point_equals_the_dense_newton(blade: Blade, way: str, monkeypatch
     curve = curve_of(blade)
     assert curve.converged
     assert (curve.contact_state == 2).any()
+    assert bool(solved) == (way == "large joint")
     changes = [
         dense_correction(blade, 2 * np.pi * float(frequency), u.T)
         for frequency, u in zip(curve.frequency_hz, curve.displacement, strict=True)

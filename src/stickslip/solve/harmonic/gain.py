@@ -63,6 +63,13 @@ def times_gain(gain: ComplexArray, coefficients: FloatArray) -> FloatArray:
     return answer
 
 
+def with_gain(gain: ComplexArray, left: FloatArray, right: FloatArray) -> ComplexArray:
+    """``left G right^T`` (m, k) of modes (m, p) and (k, p), for the gains (p,) or the gain matrix (p, p) of a
+    harmonic."""
+    real, imaginary = (left @ part if part.ndim == 2 else left * part for part in (gain.real, gain.imag))
+    return np.asarray(real @ right.T + 1j * (imaginary @ right.T))
+
+
 @dataclass(frozen=True)
 class SelfExcitation:
     """The self-excitation that sustains a free vibration (docs/theory_modes.md).

@@ -6,16 +6,23 @@ a disk each harmonic has those of its own nodal diameter (:mod:`stickslip.solve.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.gain import ComplexArray, times_gain
+from stickslip.solve.harmonic.gain import ComplexArray, times_gain, with_gain
+from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
+from stickslip.solve.harmonic.row_products import row_products
 
 IndexArray = NDArray[np.int64]
+
+# chosen: joints of fewer rows are solved as quickly in double precision, without a preconditioner of low rank
+# (docs/performance.md).
+LARGE_ROWS = 1000
 
 
 class NewtonOperator(Protocol):
@@ -88,9 +95,31 @@ class NewtonCompliance:
 
     def block(self, order: int, rows: IndexArray) -> ComplexArray:
         """``A_h`` (rows, k) of harmonic ``order`` >= 1."""
-        gain, left = self.gain[order - 1], self.left[rows]
-        real, imaginary = (left @ part if part.ndim == 2 else left * part for part in (gain.real, gain.imag))
-        return np.asarray(real @ self.right.T + self.far[:, rows].T + 1j * (imaginary @ self.right.T))
+        return with_gain(self.gain[order - 1], self.left[rows], self.right) + self.far[:, rows].T
+
+
+@dataclass(frozen=True)
+class LowRankCompliance:
+    """``A_0 = L G L^T`` of each harmonic, and ``L L^T`` of the mean; m rows of pairs and k of the unknowns.
+
+    ``mean`` (m, c_0) and ``left`` (m, c) are L at all rows, ``mean_right`` and ``right`` at those of the unknowns;
+    ``gain`` is (H, c) or (H, c, c). Amplitudes are (c_0 + 2 H c,).
+    """
+
+    mean: FloatArray
+    mean_right: FloatArray
+    left: FloatArray
+    right: FloatArray
+    gain: ComplexArray
+
+    def relative(self, amplitude: FloatArray) -> FloatArray:
+        """``L z`` (2H+1, m) of amplitudes."""
+        first, rest = np.split(amplitude, [self.mean.shape[1]])
+        return np.vstack([self.mean @ first, rest.reshape(-1, self.left.shape[1]) @ self.left.T])
+
+    def amplitude(self, deviation: FloatArray) -> FloatArray:
+        """``G L^T v`` of unknowns (2H+1, k)."""
+        return np.append(deviation[0] @ self.mean_right, times_gain(self.gain, deviation[1:] @ self.right))
 
 
 class SharedModes:
@@ -104,14 +133,25 @@ class SharedModes:
         (n,) rad/s.
     near:
         number of modes that are not springs in Newton's matrix.
+    mean_shapes:
+        returns the softest shapes (m, c) of the mean, with the roots of their compliance as lengths.
     """
 
-    def __init__(self, modes: FloatArray, contact: FloatArray, circular_frequency: FloatArray, near: int) -> None:
-        self.modes, self.contact = modes, contact
+    def __init__(
+        self,
+        modes: FloatArray,
+        contact: FloatArray,
+        circular_frequency: FloatArray,
+        near: int,
+        mean_shapes: Callable[[], FloatArray],
+    ) -> None:
+        self.modes, self.contact, self.mean_shapes = modes, np.ascontiguousarray(contact), mean_shapes
         far = contact[:, near:]
         self._far = (far / circular_frequency[near:] ** 2) @ far.T
         self._near_contact = np.ascontiguousarray(contact[:, :near])
-        self._cached: tuple[bytes, FloatArray, FloatArray] | None = None
+        # the modes at the contact of a large joint, one in each row
+        self._by_mode = np.ascontiguousarray(contact.T) if len(contact) >= LARGE_ROWS else None
+        self._cached: tuple[bytes, NDArray[Any], NDArray[Any]] | None = None
 
     def of_force(self, force: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
@@ -122,21 +162,48 @@ class SharedModes:
         columns = np.flatnonzero(force.any(axis=0))
         if 2 * columns.size < force.shape[1]:
             return np.asarray(force[:, columns] @ self.contact[columns])
+        if self._by_mode is not None:
+            return row_products(self._by_mode, force)
         return np.asarray(force @ self.contact)
 
     def relative(self, amplitude: FloatArray, out: FloatArray) -> None:
         """See :class:`HarmonicModes`."""
-        np.matmul(amplitude, self.contact.T, out=out)
+        if self._by_mode is not None:
+            out[...] = row_products(self.contact, amplitude)
+        else:
+            np.matmul(amplitude, self.contact.T, out=out)
 
     def displacement(self, amplitude: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
         shape = amplitude.shape
         return np.asarray((amplitude.reshape(-1, shape[-1]) @ self.modes.T).reshape(shape))
 
-    def newton(self, mean_contact: FloatArray, columns: IndexArray, gain: ComplexArray) -> NewtonCompliance:
+    def low_rank(self, columns: IndexArray, gain: ComplexArray, compliance: float) -> LowRankCompliance:
+        """The near modes that are softer than a ``compliance`` in m/N in any harmonic, for deviations on columns."""
+        own = np.abs(gain if gain.ndim == 2 else np.einsum("hii->hi", gain)).max(axis=0)
+        chosen = np.flatnonzero(own * (self._near_contact**2).sum(axis=0) > compliance)
+        part = gain[:, chosen] if gain.ndim == 2 else gain[:, chosen[:, None], chosen]
+        mean, left = self.mean_shapes(), self._near_contact[:, chosen]
+        return LowRankCompliance(mean, mean[columns], left, left[columns], part)
+
+    def newton(self, mean_contact: FloatArray, columns: IndexArray, gain: ComplexArray) -> NewtonOperator:
         """See :class:`HarmonicModes`."""
-        key = columns.tobytes()
+        near = self._near_contact
+        # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
+        key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS and near.shape[1] < self.contact.shape[1]
         if self._cached is None or self._cached[0] != key:
-            self._cached = key, mean_contact[columns], self._far[columns]
+            self._cached = (key, *_of_columns(mean_contact, self._far, columns, large))
         _, mean, far = self._cached
-        return NewtonCompliance(mean, far, self._near_contact, self._near_contact[columns], gain)
+        if large:
+            return LargeNewtonCompliance(mean, far, near, near[columns], gain)
+        return NewtonCompliance(mean, far, near, near[columns], gain)
+
+
+def _of_columns(
+    mean: FloatArray, far: FloatArray, columns: IndexArray, large: bool
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Some columns of both symmetric matrices: as rows (k, m), or (m, k) for a large joint, the second one in single
+    precision."""
+    if large:
+        return mean[:, columns], far.astype(np.float32)[:, columns]
+    return mean[columns], far[columns]

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
 from stickslip.solve.harmonic.factors import BlockFactor, Factor, LastFactor, Product, iterated
+from stickslip.solve.harmonic.harmonic_modes import LARGE_ROWS
+from stickslip.solve.harmonic.low_rank import LowRankInverse
 from stickslip.solve.path.problem import Step
 
 # Below this size a factor, which serves for all right-hand sides, costs less than the iterations (measured: 0.9 ms with
@@ -61,7 +63,16 @@ class NewtonSystem:
         self.rows = balance.rows
         self.tangent = balance.deviation_tangent(self.active, trial)
         self.compliance = balance.compliance.newton(trial.omega, self.active.outputs)
+        self._balance, self._omega = balance, trial.omega
         self.size = self.columns * self.active.outputs.size  # number of unknowns
+
+    def low_rank_inverse(self, columns: FloatArray, lines: FloatArray, corner: FloatArray) -> LowRankInverse | None:
+        """The preconditioner of a large joint, with borders (:class:`LowRankInverse`); None for others."""
+        stiffness = float(self._balance.springs.max(initial=0.0))
+        if self.rows < LARGE_ROWS or not stiffness or not self.size:
+            return None
+        compliance = self._balance.compliance.low_rank(self._omega, self.active.outputs, stiffness)
+        return None if compliance is None else LowRankInverse(self, compliance, columns, lines, corner)
 
     def deviation_change(self, relative: FloatArray) -> FloatArray:
         """D @ relative: (size,) from (2H+1, m)."""
@@ -179,6 +190,7 @@ class BorderedSystem:
         self._corner = np.array(corner).reshape(len(rows), len(slopes))
         self._factor: Factor | None = None  # of a small system; a large one is only in ``last``
         self._name = object()
+        self._approximate: tuple[LowRankInverse | None] | None = None
 
     def solve(self, residual: FloatArray, values: FloatArray, tolerance: float) -> Step:
         """The step for a residual (2H+1, m) and the values (k,) of the rows, to a relative ``tolerance``.
@@ -267,7 +279,10 @@ class BorderedSystem:
         if not right.any():
             return np.zeros_like(right)
         inverse = self._last.inverse(keys)
-        if inverse is None:
+        low_rank = None if inverse else self._low_rank(keys.size - self.system.size)
+        if low_rank is not None:
+            answer = iterated(apply, right, tolerance, PRECONDITIONED_ITERATIONS, low_rank.solve)
+        elif inverse is None:
             answer = iterated(apply, right, tolerance, MAX_ITERATIONS)
         else:
             answer = iterated(apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
@@ -280,6 +295,15 @@ class BorderedSystem:
         if answer is not None:
             self._last.store(factor, keys)
         return answer
+
+    def _low_rank(self, borders: int) -> LowRankInverse | None:
+        """The inverse with a compliance of low rank of so many borders, computed once."""
+        if self._approximate is None:
+            beside = slice(0, borders)
+            self._approximate = (
+                self.system.low_rank_inverse(self._columns[beside], self._lines[beside], self._corner[beside, beside]),
+            )
+        return self._approximate[0]
 
     def _block_factor(self, blocks: Sequence[slice], borders: int) -> BlockFactor:
         """The factor of blocks of coefficients, of which the first one has the borders, if any."""

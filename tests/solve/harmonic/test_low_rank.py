@@ -1,0 +1,117 @@
+"""The preconditioner of large joints: an exact inverse, and few iterations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from helpers import Blade
+from stickslip.core.validation import FloatArray
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic import harmonic_modes, reduced
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.factors import iterated
+from stickslip.solve.harmonic.harmonic_modes import NewtonCompliance
+from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
+from stickslip.solve.harmonic.reduced import NewtonSystem
+from stickslip.solve.harmonic.row_products import VECTORS, row_products
+from stickslip.solve.setting_up import prepare_balances
+
+RNG = np.random.default_rng(4)
+
+
+@pytest.fixture
+def balance(blade: Blade) -> Balance:
+    force = Excitation.force(blade.force_cos, blade.force_sin)
+    highest = 2.0 * np.pi * max(blade.window_hz)
+    return prepare_balances(
+        blade.superelement, blade.pairs, force, highest, 3, 128, None, "tractrix", lambda _: None
+    ).with_harmonics(3)
+
+
+def system_of(balance: Balance) -> NewtonSystem:
+    """The equations at a motion with slip and separation."""
+    springs = balance.pairs.resting_stiffness()
+    relative = RNG.standard_normal((7, balance.rows)) * balance.pairs.laws[0].normal_load.max() / springs.max()
+    return NewtonSystem(balance, balance.evaluate(relative, 2.0 * np.pi * 100.0))
+
+
+def borders(system: NewtonSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
+    columns, lines = RNG.standard_normal((2, 2, system.size)) / np.sqrt(system.size)
+    return columns, lines, RNG.standard_normal((2, 2))
+
+
+def test_the_inverse_is_exact_for_the_compliance_of_low_rank(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reduced, "LARGE_ROWS", 1)
+    system = system_of(balance)
+    assert system.active.outputs.size > 0
+    columns, lines, corner = borders(system)
+    inverse = system.low_rank_inverse(columns, lines, corner)
+    assert inverse is not None
+    compliance = inverse._compliance
+    exact = RNG.standard_normal(system.size + 2)
+    inner, border = exact[: system.size], exact[system.size :]
+    moved = compliance.relative(compliance.amplitude(inner.reshape(system.columns, -1)))
+    assert np.abs(moved).max() > 0.0
+    top = inner + system.deviation_change(moved) + border @ columns
+    np.testing.assert_allclose(inverse.solve(np.append(top, lines @ inner + corner @ border)), exact, atol=1e-7)
+
+
+def test_a_large_joint_takes_fewer_iterations(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reduced, "LARGE_ROWS", 1)
+    system = system_of(balance)
+    none = np.empty((0, system.size))
+    inverse = system.low_rank_inverse(none, none, np.empty((0, 0)))
+    assert inverse is not None
+    right, count = RNG.standard_normal(system.size), []
+
+    def apply(vector: FloatArray) -> FloatArray:
+        count.append(1)
+        return system.apply(vector)
+
+    plain = iterated(apply, right, 1e-8, 200)
+    without, count[:] = len(count), []
+    answer = iterated(apply, right, 1e-8, 200, inverse.solve)
+    assert plain is not None
+    assert answer is not None
+    np.testing.assert_allclose(answer, plain, atol=1e-6 * np.abs(plain).max())
+    assert 2 * len(count) <= without, (len(count), without)
+
+
+def test_joints_of_few_rows_have_no_such_inverse(balance: Balance) -> None:
+    system = system_of(balance)
+    none = np.empty((0, system.size))
+    assert system.low_rank_inverse(none, none, np.empty((0, 0))) is None
+    assert isinstance(system.compliance, NewtonCompliance)
+
+
+@pytest.mark.parametrize("count", [1, VECTORS - 1, VECTORS, 2 * VECTORS + 3])
+def test_products_in_both_precisions(count: int) -> None:
+    matrix, vectors = RNG.standard_normal((300, 70)), RNG.standard_normal((count, 70))
+    np.testing.assert_allclose(row_products(matrix, vectors), vectors @ matrix.T, atol=1e-13)
+    single = matrix.astype(np.float32)
+    np.testing.assert_allclose(row_products(single, vectors), vectors @ single.astype(float).T, atol=1e-13)
+
+
+def test_single_precision_is_the_same_compliance(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
+    outputs, omega = np.arange(3, 11), 2.0 * np.pi * 100.0
+
+    double: Any = balance.compliance.newton(omega, outputs)
+    balance.compliance._modes._cached = None  # type: ignore[attr-defined]
+    monkeypatch.setattr(harmonic_modes, "LARGE_ROWS", 1)
+    single: Any = balance.compliance.newton(omega, outputs)
+    assert isinstance(single, LargeNewtonCompliance)
+    assert single.far_rows.dtype == np.float32
+    # the mean has double precision: it may be very soft
+    np.testing.assert_allclose(single.mean, double.mean, atol=1e-13 * np.abs(double.mean).max())
+    deviation, weights = RNG.standard_normal((7, 8)), RNG.standard_normal((7, balance.rows))
+    rows = np.arange(5)
+    for actual, expected in (
+        (single.apply(deviation), double.apply(deviation)),
+        (single.apply_transposed(weights), double.apply_transposed(weights)),
+        (single.block(2, rows), double.block(2, rows)),
+        (single.mean, double.mean),
+    ):
+        np.testing.assert_allclose(actual, expected, atol=1e-5 * np.abs(expected).max())
