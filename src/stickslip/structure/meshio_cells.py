@@ -8,8 +8,8 @@ from typing import Any
 def complete_meshio() -> Any:
     """The package meshio, with completed tables.
 
-    Its table of dimensions lacks the 15-node wedge, which it otherwise reads and writes. Of its two tables of numbers in
-    legacy VTK files, each lacks some; in that of version 5.1, "int" has 64 bits, but VTK writes 32.
+    Its table of dimensions lacks the 15-node wedge, which it otherwise reads and writes. Of its two tables of numbers
+    in legacy VTK files, each lacks some; in that of version 5.1, "int" has 64 bits, but VTK writes 32.
     """
     import meshio
     from meshio._mesh import topological_dimension

@@ -106,7 +106,7 @@ def test_permanent_constraints_of_a_grid_act(tmp_path: Path) -> None:
 
 
 def test_replicated_entries(tmp_path: Path) -> None:
-    """"=" copies a field, "*1" adds to it, "==" copies the others, "=2" repeats the line above two times."""
+    """ "=" copies a field, "*1" adds to it, "==" copies the others, "=2" repeats the line above two times."""
     bulk = CUBES.read_text(encoding="utf-8").partition("BEGIN BULK\n")[2]
     case = "BEGIN BULK\nGRID,101,,0.,0.,0.,,123\n=,*1,=,*1.5,==\n=(2)\n=,201,=,=,2.,==\n=,*(1),=,*-1.5+0,==\n"
     raw = read_raw(_deck(tmp_path, case + bulk))

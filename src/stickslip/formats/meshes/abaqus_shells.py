@@ -30,7 +30,9 @@ def omit_shell_sides(raw: RawModel, without_volume: IntArray) -> None:
         del raw.face_sets[name]
     if gone:
         names = ", ".join(f"'{name}'" for name in sorted(gone))
-        raw.messages.append(f"surfaces of elements without volume, with their ties and couplings, are omitted: {names}.")
+        raw.messages.append(
+            f"surfaces of elements without volume, with their ties and couplings, are omitted: {names}."
+        )
     ties = raw.ties
     ties.faces = [tie for tie in ties.faces if not {tie.dependent, tie.independent} & gone]
     ties.rigid = [each for each in ties.rigid if each.face not in gone]

@@ -43,8 +43,8 @@ _REJECTED = {
     "EN": "elements one by one are not read. Write the archive with CDWRITE,DB and without the option UNBLOCKED",
 }
 _NO_BLOCK = (
-    "there is no NBLOCK with nodes; commands that make or mesh a geometry are not read. Write the archive with CDWRITE,DB "
-    "and without the option UNBLOCKED."
+    "there is no NBLOCK with nodes; commands that make or mesh a geometry are not read. Write the archive with "
+    "CDWRITE,DB and without the option UNBLOCKED."
 )
 _SILENT = {
     *("NUMOFF", "DOF", "TYPE", "MAT", "REAL", "SECNUM", "ESYS", "EXTOPT", "FINISH", "TREF", "BFUNIF", "KUSE", "TIME"),

@@ -164,12 +164,14 @@ def _number_of_replicas(card: BulkCard, name: str, pattern: list[str], line: int
     count = int(match["count"])
     card.ranges.count -= count
     if card.ranges.count < 0:
-        card.places.fail(f"{card.name}: {name} replicates more than {MOST_IN_RANGES} entries, the limit of a deck.", line)
+        card.places.fail(
+            f"{card.name}: {name} replicates more than {MOST_IN_RANGES} entries, the limit of a deck.", line
+        )
     return count
 
 
 def _replica(card: BulkCard, pattern: list[str], line: int) -> BulkCard:
-    """The entry below ``card``: "=" copies a field, "*2" adds 2 to it, "==" copies all others; other words are new."""
+    """The entry below ``card``: "=" copies a field, "*2" adds 2 to it, "==" copies all others; other words remain."""
     if len(card.fields) > len(pattern):
         card.places.fail(f"{card.name}: an entry of several lines cannot be replicated. Write each entry out.", line)
     fields: list[str] = []

@@ -30,8 +30,8 @@ from stickslip.structure.meshio_cells import complete_meshio
 
 _SURFACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 _LINES = ("vertex", "line", "line3")
-# The mirrored cell: MED numbers solids in the opposite order of VTK, and most programs that write it do so. Programs for
-# which the order has no effect write such cells into other formats, too.
+# The mirrored cell: MED numbers solids in the opposite order of VTK, and most programs that write it do so. Programs
+# for which the order has no effect write such cells into other formats, too.
 _MIRRORED = {
     "tetra": [0, 2, 1, 3],
     "tetra10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
