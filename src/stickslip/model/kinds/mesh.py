@@ -210,8 +210,8 @@ def _require_complete(source: ImportedModel) -> None:
     if source.sector:
         raise InputError(
             f'the model is one sector of a disk: {source.sector}. kind is "mesh", which would solve the sector alone. '
-            'Use kind = "cyclic" with left and right for its boundaries (docs/bladed_disks.md), or remove the entry from '
-            "the model file.",
+            'Use kind = "cyclic" with left and right for its boundaries (docs/bladed_disks.md), or remove the entry '
+            "from the model file.",
             ["structure.kind"],
         )
 
