@@ -157,8 +157,8 @@ def _number_of_replicas(card: BulkCard, name: str, pattern: list[str], line: int
     match = _REPEATED.fullmatch(name)
     if not match or not pattern:
         card.places.fail(
-            f'{card.name}: the line "{name[:16]}" does not replicate an entry. Write =,*1,=,*10.,== and below it =4 for '
-            "4 more entries, or write each entry out.",
+            f'{card.name}: the line "{name[:16]}" does not replicate an entry. Write =,*1,=,*10.,== and below it =4 '
+            "for 4 more entries, or write each entry out.",
             line,
         )
     count = int(match["count"])
@@ -171,7 +171,7 @@ def _number_of_replicas(card: BulkCard, name: str, pattern: list[str], line: int
 
 
 def _replica(card: BulkCard, pattern: list[str], line: int) -> BulkCard:
-    """The entry below ``card``: "=" copies a field, "*2" adds 2 to it, "==" copies all others; other words remain."""
+    """The entry below ``card``: "=" copies a field, "*2" adds 2, "==" copies all others; other words remain."""
     if len(card.fields) > len(pattern):
         card.places.fail(f"{card.name}: an entry of several lines cannot be replicated. Write each entry out.", line)
     fields: list[str] = []
