@@ -98,6 +98,7 @@ WRONG = {
     ),
     "syntax": ("[geometry]\nblade_length = 145 mm", ()),
     "key twice": ("[friction]\ncoefficient = 1\ncoefficient = 2\n", ()),
+    "section twice": ('[friction]\ncoefficient = 1\n[geometry]\n[friction]\nlaw = "coulomb"\n', ()),
     "endless number": (f"[friction]\ncoefficient = {'9' * 5000}", ()),
     "empty": ("", ()),
     "comments only": ("# nothing\n\n", ()),

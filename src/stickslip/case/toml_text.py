@@ -21,6 +21,7 @@ STATED = "stated"  # type of an error whose context contains the message after t
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
 _OF_THE_NAME = "[key]"  # how pydantic marks an error in the name of an entry
 _LONG_WORD = re.compile(r"\S{200,}")
+_TWICE = re.compile(r"Cannot (overwrite|declare)")
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 
 
@@ -43,6 +44,8 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         data = tomllib.loads(text)
     # a number of thousands of digits is a plain ValueError, brackets nested without end are a RecursionError
     except (ValueError, RecursionError) as error:
+        if _TWICE.match(str(error)) and (repeated := _repeated(text)):
+            raise StudyFileError(f"{source}, {repeated}") from error
         raise StudyFileError(
             f"{source}: not valid TOML: {error}. Texts and values with a unit need quotes: "
             'blade_length = "145 mm"; a section is [geometry]; a comment starts with #.'
@@ -50,6 +53,23 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     if not data:
         raise StudyFileError(f"{source}: the file is empty; it has no section. {_NEW_FILE}")
     return data
+
+
+def _repeated(text: str) -> str:
+    """The sentence on the first key or section that the file has twice, "" if none is seen, one key a line."""
+    first: dict[tuple[str, ...], int] = {}
+    section: tuple[str, ...] = ()
+    for number, line in enumerate(text.splitlines(), start=1):
+        header, key = _header(line), _KEY.match(line)
+        section = header or section
+        if not header and not key:
+            continue
+        name = section if header else (*section, key[1] if key else "")
+        if name in first:
+            shown = f"the section [{'.'.join(name)}]" if header else ".".join(name)
+            return f"line {number}: {shown} is given twice (first in line {first[name]}). Remove one of the two."
+        first[name] = number
+    return ""
 
 
 def key_lines(text: str) -> dict[tuple[str, ...], int]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.case.template import bare_name
+from stickslip.core.errors import InputError
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.raw_contacts import GROUND, RawContact
 from stickslip.structure.constraints import eliminate
@@ -54,7 +55,14 @@ def study_of_model(model: ImportedModel, file: str, own_system: str | None) -> s
         path of the model as the study file names it.
     own_system:
         system of units of materials and forces if it was given, else None.
+
+    Raises InputError for one sector of a disk.
     """
+    if model.sector:
+        raise InputError(
+            f"{file} is one sector of a disk: {model.sector}. --from writes studies of complete models. Write the "
+            'study with structure.kind = "cyclic" as in docs/bladed_disks.md.'
+        )
     where = ('set = "..."', "direction = [0, 0, 1]")
     parts = [
         _OPENING.format(model=_text(file)),

@@ -8,7 +8,7 @@ import pytest
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.imported_model import ImportedModel
-from stickslip.formats.meshes.read import read_model
+from stickslip.formats.meshes.read import read_model, read_raw
 
 CUBES = Path(__file__).parents[2] / "data" / "models" / "cubes.bdf"
 GRID = "GRID,2,,10,0,0\n"
@@ -103,3 +103,47 @@ def test_permanent_constraints_of_a_grid_act(tmp_path: Path) -> None:
     assert 5 in model.fixed_unknowns
     model = cubes(tmp_path, grid="GRID,2,,10.,0.,0.,,456\n", case="SPC = 1")
     assert model.fixed_unknowns.size == 12
+
+
+def test_replicated_entries(tmp_path: Path) -> None:
+    """ "=" copies a field, "*1" adds to it, "==" copies the others, "=2" repeats the line above two times."""
+    bulk = CUBES.read_text(encoding="utf-8").partition("BEGIN BULK\n")[2]
+    case = "BEGIN BULK\nGRID,101,,0.,0.,0.,,123\n=,*1,=,*1.5,==\n=(2)\n=,201,=,=,2.,==\n=,*(1),=,*-1.5+0,==\n"
+    raw = read_raw(_deck(tmp_path, case + bulk))
+    new = raw.node_labels > 100
+    assert raw.node_labels[new].tolist() == [101, 102, 103, 104, 201, 202]
+    assert raw.coordinates[new].tolist() == [
+        [0.0, 0.0, 0.0], [1.5, 0.0, 0.0], [3.0, 0.0, 0.0], [4.5, 0.0, 0.0], [4.5, 2.0, 0.0], [3.0, 2.0, 0.0],
+    ]  # fmt: skip
+    assert sum(101 in each.nodes or 202 in each.nodes for each in raw.constraints) == 2
+
+
+@pytest.mark.parametrize(
+    "cards",
+    [
+        "=,*1,==\n",
+        "GRID,101,,0.,0.,0.\n=2\n",
+        "GRID,101,,0.,0.,0.\n=,*1,==\n=two\n",
+        "GRID,101,,0.,0.,0.\n=,*x,==\n",
+        "GRID,101,,0.,0.,0.\n=,*1,==\n=999999999\n",
+        "CHEXA,101,1,1,2,3,4,5,6\n,7,8\n=,*1,==\n",
+    ],
+)
+def test_wrong_replication(tmp_path: Path, cards: str) -> None:
+    with rejects(ImportFileError):
+        read_raw(_deck(tmp_path, f"BEGIN BULK\n{cards}"))
+
+
+def test_deck_without_properties(tmp_path: Path) -> None:
+    """Gmsh writes no PSOLID: the bodies are there, without material."""
+    lines = CUBES.read_text(encoding="utf-8").splitlines()
+    model = read_model(_deck(tmp_path, "\n".join(line for line in lines if not line.startswith("PSOLID"))), "mm")
+    assert len(model.mesh.body_names) == 2
+    assert not model.materials
+    assert any("no PSOLID" in message for message in model.messages)
+
+
+def _deck(folder: Path, text: str) -> Path:
+    path = folder / "deck.bdf"
+    path.write_text(text, encoding="utf-8")
+    return path

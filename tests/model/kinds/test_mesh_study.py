@@ -217,6 +217,15 @@ def test_a_joint_that_appears_twice_is_rejected(sides: tuple[str, str]) -> None:
         set_up(Case.from_mapping(data))
 
 
+def test_a_sector_alone_is_rejected(tmp_path: Path) -> None:
+    """A deck with cyclic symmetry is one sector; kind = "mesh" would solve it without its neighbours."""
+    deck = tmp_path / "sector.inp"
+    text = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
+    deck.write_text(f"{text}\n*CYCLIC SYMMETRY MODEL, N=12, TIE=t\n0., 0., 0., 0., 0., 1.\n", encoding="utf-8")
+    with rejects(InputError, "structure.kind"):
+        set_up(mesh_case(structure__file=str(deck)))
+
+
 def test_a_body_without_support_is_rejected() -> None:
     data = mesh_case().to_dict()
     sole = data["interfaces"].pop("sole")

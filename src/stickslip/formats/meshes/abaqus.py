@@ -24,6 +24,7 @@ from stickslip.formats.meshes.abaqus_keywords import (
 from stickslip.formats.meshes.abaqus_loads import LoadCards
 from stickslip.formats.meshes.abaqus_materials import MaterialCards
 from stickslip.formats.meshes.abaqus_points import POINT_ELEMENTS, PointCards
+from stickslip.formats.meshes.abaqus_shells import SHELL_SIDES, omit_shell_sides
 from stickslip.formats.meshes.abaqus_systems import SystemCards
 from stickslip.formats.meshes.abaqus_ties import TieCards
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
@@ -39,6 +40,8 @@ from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
 
 _NODE_ENTRIES = 7  # number, x, y, z, and the normal of a shell, which solids do not use; omitted ones are 0
 
+_RANK = {"SYSTEM": 0, "NODE": 0, "ELEMENT": 0, "NSET": 1, "ELSET": 1, "SURFACE": 2}
+
 
 def read_abaqus(source: Path, includes_outside: bool = False) -> RawModel:
     """The entries of a deck and of the files that it includes, in their own units.
@@ -51,7 +54,8 @@ def read_abaqus(source: Path, includes_outside: bool = False) -> RawModel:
         reader = _Reader(source)
         reader.raw.label_ranges = deck.ranges
         reader.raw.messages += deck.messages
-        for card in deck.cards:
+        # sets may be used above the line that defines them
+        for card in sorted(deck.cards, key=lambda card: _RANK.get(card.keyword, len(_RANK))):
             reader.take(card)
         return reader.finished()
 
@@ -121,6 +125,7 @@ class _Reader:
         self._contact.write()
         self._points.write(set(frames))
         raw.ties.equations += equations
+        omit_shell_sides(raw, np.array(self._other_labels, dtype=np.int64))
         sections = [(card.instance, replace(body, axes=self._materials.axes(card))) for card, body in self._sections]
         raw.bodies = _named_bodies(sections or self._bodies_of_blocks())
         self._loads.report()
@@ -170,6 +175,8 @@ class _Reader:
         first = len(self._labels)
         for line, words in card.data:
             values = [word for word in words if word] if words[-1] == "" else words
+            if not any(values):
+                card.fail("the line has no number of a node.", line)
             if len(values) > _NODE_ENTRIES:
                 card.fail(
                     f"a node is a number, x, y, z and perhaps a normal, but the line has {len(values)} entries.", line
@@ -249,7 +256,8 @@ class _Reader:
             self._pieces[key] = [np.unique(np.concatenate(self._pieces[key]))]
             return self._pieces[key][0]
         if not word[:1].isdigit():
-            card.fail(f"there is no {what} set '{word[:60]}' above this line.", line)
+            where = "above this line" if card.keyword in ("NSET", "ELSET") else "in the deck"
+            card.fail(f"there is no {what} set '{word[:60]}' {where}.", line)
         return np.array([card.label(word, line)], dtype=np.int64)
 
     def _set(self, card: Card, what: str, name: str) -> None:
@@ -302,6 +310,9 @@ class _Reader:
                 continue
             elements = self._find(card, "element", words[0], line)
             word = words[1].upper() if len(words) > 1 else ""
+            if word in SHELL_SIDES and np.isin(elements, self._other_labels).all():
+                entries.append(RawSides(line, elements=elements))
+                continue
             if word and not (word[:1] == "S" and word[1:] in {"1", "2", "3", "4", "5", "6"}):
                 card.fail(f'"{word[:20]}" is no side of a solid element; they are S1 to S6.', line)
             entries.append(RawSides(line, elements=elements, side=int(word[1:]) - 1 if word else None))

@@ -19,16 +19,22 @@ ELEMENT_TYPES = {
     "C3D20R": "hexahedron20",
 }
 OTHER_FORMULATIONS = {"C3D4H", "C3D10M", "C3D10H", "C3D10HS", "C3D8", "C3D8R", "C3D20R"}
-# Nodes of elements without volume, which are used only for sets.
+# Nodes of elements that have no volume, or no displacements, which are used only for sets.
 NOT_SOLID = {
-    **dict.fromkeys(("S3", "S3R", "M3D3", "SFM3D3", "STRI3", "CPS3", "CPE3", "CAX3"), 3),
-    **dict.fromkeys(("S4", "S4R", "M3D4", "SFM3D4", "CPS4", "CPE4", "CPS4R", "CPE4R", "CAX4", "M3D4R", "R3D4"), 4),
-    **dict.fromkeys(("S6", "M3D6", "SFM3D6", "STRI65", "CPS6", "CPE6", "CAX6"), 6),
-    **dict.fromkeys(("S8", "S8R", "M3D8", "SFM3D8", "CPS8", "CPE8", "CAX8", "CPS8R", "CPE8R"), 8),
-    **dict.fromkeys(("B31", "B31R", "T3D2", "SPRINGA", "DASHPOTA", "B21", "T2D2", "SPRING2", "GAPUNI", "CONN3D2"), 2),
-    **dict.fromkeys(("B32", "B32R", "T3D3"), 3),
-    **dict.fromkeys(("MASS", "ROTARYI", "SPRING1", "DCOUP3D"), 1),
-    "R3D3": 3,
+    **dict.fromkeys(("S3", "S3R", "S3RS", "DS3", "M3D3", "SFM3D3", "STRI3", "CPS3", "CPE3", "CAX3", "R3D3"), 3),
+    **dict.fromkeys(("S4", "S4R", "S4RS", "S4R5", "DS4", "M3D4", "M3D4R", "SFM3D4", "SFM3D4R", "R3D4"), 4),
+    **dict.fromkeys(("S6", "DS6", "M3D6", "SFM3D6", "STRI65"), 6),
+    **dict.fromkeys(("S8", "S8R", "S8R5", "DS8", "M3D8", "M3D8R", "SFM3D8", "SFM3D8R"), 8),
+    **dict.fromkeys((f"{plane}4{form}" for plane in ("CPS", "CPE", "CAX") for form in ("", "R", "I", "H", "P")), 4),
+    **dict.fromkeys((f"{plane}6{form}" for plane in ("CPS", "CPE", "CAX") for form in ("", "M", "H")), 6),
+    **dict.fromkeys((f"{plane}8{form}" for plane in ("CPS", "CPE", "CAX") for form in ("", "R", "H", "RH")), 8),
+    **dict.fromkeys(("B31", "B31R", "B31H", "B31OS", "B33", "B33H", "B21", "B23", "PIPE31", "FRAME3D"), 2),
+    **dict.fromkeys(("T3D2", "T2D2", "SPRINGA", "SPRING2", "DASHPOTA", "DASHPOT2", "GAPUNI", "GAPCYL", "CONN3D2"), 2),
+    **dict.fromkeys(("B32", "B32R", "B32H", "B32OS", "PIPE32", "T3D3"), 3),
+    **dict.fromkeys(("MASS", "ROTARYI", "SPRING1", "DASHPOT1", "HEATCAP", "DCOUP3D"), 1),
+    # pipes with flow, fluids, heat and sound
+    **{"D": 3, "F3D4": 4, "F3D6": 6, "F3D8": 8},
+    **{f"{what}3D{count}": count for what in ("DC", "AC") for count in (4, 6, 8, 10, 15, 20)},
 }
 # These change the meaning of a deck's numbers; the model would be wrong without them.
 REFUSED = {
@@ -37,7 +43,6 @@ REFUSED = {
         "it connects nodes to each other in a way that is not read, and the model would be another one without it. "
         "Write it as *TIE, *COUPLING or *EQUATION, or remove it",
     ),
-    "CYCLIC SYMMETRY MODEL": "a sector that repeats round an axis is not read. Write the complete model",
     "NONSTRUCTURAL MASS": "its mass would be missing. Remove it, or add its mass to the density of the solids",
     "PARAMETER": "parameters are not read. Write the numbers themselves",
     **dict.fromkeys(

@@ -16,10 +16,12 @@ class LoadCards:
         self._raw, self._find = raw, find
         self._step = 0
         self._moved: list[int] = []  # lines of displacements other than 0
+        self._pretension_nodes: set[int] = set()
         self._other_loads: list[int] = []  # lines of moments and other loads that act on no displacement
         self.cards: dict[str, Callable[[Card], None]] = {
             "STEP": self._next_step,
             "BOUNDARY": self._boundary,
+            "PRE-TENSION SECTION": self._pretension,
             "CLOAD": self._load,
         }
 
@@ -33,6 +35,11 @@ class LoadCards:
                 f"{len(self._moved)} lines of *BOUNDARY give displacements other than 0 (first in line "
                 f"{self._moved[0]}): stickslip uses the location only and sets them to 0."
             )
+        if self._pretension_nodes:
+            messages.append(
+                "the force of *PRE-TENSION SECTION is not read: give the normal loads of the joint in the study, or a "
+                'solved preload (preload.method = "solved") with forces in place of the bolt.'
+            )
         if self._other_loads:
             messages.append(
                 f"{len(self._other_loads)} lines of *CLOAD and *BOUNDARY have directions above 3 of nodes without "
@@ -41,6 +48,10 @@ class LoadCards:
 
     def _next_step(self, card: Card) -> None:
         self._step += 1
+
+    def _pretension(self, card: Card) -> None:
+        nodes = self._find(card, "node", card.parameter("NODE"), card.line)
+        self._pretension_nodes |= set(nodes.tolist())
 
     def _boundary(self, card: Card) -> None:
         if self._step > 1:
@@ -72,5 +83,7 @@ class LoadCards:
             nodes = self._find(card, "node", words[0], line)
             if direction > 3:
                 self._other_loads.append(line)
+                continue
+            if self._pretension_nodes.issuperset(nodes.tolist()):
                 continue
             self._raw.loads.append(RawLoad(nodes, direction - 1, card.number(words[2], line), line))

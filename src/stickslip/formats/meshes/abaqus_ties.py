@@ -47,6 +47,7 @@ class TieCards:
             "KINEMATIC COUPLING": self._old_kinematic,
             "DISTRIBUTING COUPLING": self._old_distributing,
             "TIE": self._tie,
+            "CYCLIC SYMMETRY MODEL": self._sector,
         }
 
     def write(self, frames: dict[int, FloatArray]) -> None:
@@ -232,12 +233,12 @@ class TieCards:
         )
 
     def _tie(self, card: Card) -> None:
-        for name in ("CYCLIC SYMMETRY", "MULTISTAGE"):
-            if name in card.parameters:
-                card.fail(
-                    f"{name} repeats a sector round an axis, which is not read. Remove the card and give the "
-                    'boundaries as structure.left and structure.right of kind = "cyclic", or write the complete model.'
-                )
+        if "MULTISTAGE" in card.parameters:
+            card.fail("MULTISTAGE couples disks of other sectors, which is not read. Write the complete model.")
+        if "CYCLIC SYMMETRY" in card.parameters:
+            names = [word for _, words in card.data for word in words if word]
+            self._raw.sector = f"*TIE, CYCLIC SYMMETRY in line {card.line} ({' and '.join(names)[:80]})"
+            return
         word = card.parameters.get("POSITION TOLERANCE", "")
         tolerance = card.number(word, card.line) if word else None
         if tolerance is not None and tolerance < 0.0:
@@ -248,13 +249,16 @@ class TieCards:
             names = [self._surface_name(card, word, line) for word in words[:2]]
             self._raw.ties.faces.append(RawTie("*TIE", names[0], names[1], tolerance, line))
 
+    def _sector(self, card: Card) -> None:
+        self._raw.sector = self._raw.sector or f"*CYCLIC SYMMETRY MODEL in line {card.line}"
+
     def _surface_name(self, card: Card, word: str, line: int) -> str:
         """The name of a surface, or of a node set, as first written."""
         for sets in (self._raw.face_sets, self._raw.node_surfaces):
             for name in sets:
                 if name.upper() == word.upper():
                     return name
-        card.fail(f"there is no surface '{word[:60]}' above this line.", line)
+        card.fail(f"there is no surface '{word[:60]}' in the deck.", line)
 
 
 def _directions(card: Card) -> tuple[int, ...]:

@@ -42,6 +42,10 @@ _REJECTED = {
     ),
     "EN": "elements one by one are not read. Write the archive with CDWRITE,DB and without the option UNBLOCKED",
 }
+_NO_BLOCK = (
+    "there is no NBLOCK with nodes; commands that make or mesh a geometry are not read. Write the archive with "
+    "CDWRITE,DB and without the option UNBLOCKED."
+)
 _SILENT = {
     *("NUMOFF", "DOF", "TYPE", "MAT", "REAL", "SECNUM", "ESYS", "EXTOPT", "FINISH", "TREF", "BFUNIF", "KUSE", "TIME"),
     *("CRPLIM", "NCNV", "NEQIT", "ERESX", "IRLF", "ANTYPE", "MODOPT", "MODCONTROL", "QRDOPT", "CSYS", "RLBLOCK", "R"),
@@ -59,7 +63,10 @@ _OF_TETRA, _TETRA_MIDDLES = [0, 1, 2, 4], [0, 1, 3, 8, 9, 10]
 def read_ansys(source: Path) -> RawModel:
     """The entries of an archive in its own units. Raises ImportFileError that names file and line."""
     reader = _Reader(source)
-    for entry in read_archive(source):
+    entries = list(read_archive(source))
+    if not any(entry.name == "NBLOCK" for entry in entries):
+        reader.raw.fail(_NO_BLOCK)
+    for entry in entries:
         reader.take(entry)
     return reader.finished()
 
@@ -112,7 +119,7 @@ class _Reader:
         """The raw model after the last command."""
         raw = self.raw
         if not self._labels:
-            raw.fail("there is no NBLOCK with nodes. Write the archive with CDWRITE,DB.")
+            raw.fail(_NO_BLOCK)
         raw.node_labels = np.array(self._labels, dtype=np.int64)
         raw.coordinates = np.array(self._coordinates, dtype=float)
         raw.node_lines = np.array(self._lines, dtype=np.int64)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NoReturn
 
 from stickslip.formats.meshes.raw_model import LARGEST_LABEL, LinePositions
 
 # A line of 20 characters can name a million grids; this is five sets of all grids of the largest solved meshes.
 MOST_IN_RANGES = 5_000_000
+_REPEATED = re.compile(r"=\(?(?P<count>\d{1,9})\)?")
+_STEP = re.compile(r"\*\(?(?P<step>[^()]+)\)?")
 _EXPONENT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))([-+]\d+)")  # 1.5-3 is 1.5e-3
 
 
@@ -107,11 +109,14 @@ def ends_bulk(line: str) -> bool:
 def read_bulk(lines: list[str], places: LinePositions) -> Iterator[BulkCard]:
     """Cards of bulk data, from BEGIN BULK (or the first line) to ENDDATA, each with its continuation lines joined.
 
-    Raises ImportFileError for a continuation without an entry, and where a second part of bulk data begins.
+    Lines that replicate the entry above them ("=,*1,=,*10.,==" and "=4") give their entries. Raises ImportFileError for
+    a continuation or a replication without an entry, for replicated entries of several lines, and where a second part
+    of bulk data begins.
     """
     start = start_of_bulk(lines)
     card: BulkCard | None = None
     ranges = RemainingRanges()
+    pattern: list[str] = []  # the fields of the last line that replicates an entry
     for number, text in enumerate(lines[start:], start=start + 1):
         line = text.split("$")[0].rstrip()
         if not line.strip():
@@ -119,6 +124,14 @@ def read_bulk(lines: list[str], places: LinePositions) -> Iterator[BulkCard]:
         if ends_bulk(line):
             break
         name, fields = _split(line)
+        if name.startswith("="):
+            if card is None:
+                places.fail("a line that replicates an entry (=) is before the first entry.", number)
+            pattern = fields if name == "=" else pattern
+            for _ in range(_number_of_replicas(card, name, pattern, number)):
+                yield card
+                card = _replica(card, pattern, number)
+            continue
         if name in ("", "+", "*") or name[:1] in "+*":
             if card is None:
                 places.fail("a continuation line is before the first entry.", number)
@@ -135,6 +148,51 @@ def read_bulk(lines: list[str], places: LinePositions) -> Iterator[BulkCard]:
         card = BulkCard(places, name.rstrip("*").upper(), fields, number, ranges)
     if card is not None:
         yield card
+
+
+def _number_of_replicas(card: BulkCard, name: str, pattern: list[str], line: int) -> int:
+    """Of a line with "=" 1, of a line with "=4" or "=(4)" 4; raises ImportFileError for anything else."""
+    if name == "=":
+        return 1
+    match = _REPEATED.fullmatch(name)
+    if not match or not pattern:
+        card.places.fail(
+            f'{card.name}: the line "{name[:16]}" does not replicate an entry. Write =,*1,=,*10.,== and below it =4 '
+            "for 4 more entries, or write each entry out.",
+            line,
+        )
+    count = int(match["count"])
+    card.ranges.count -= count
+    if card.ranges.count < 0:
+        card.places.fail(
+            f"{card.name}: {name} replicates more than {MOST_IN_RANGES} entries, the limit of a deck.", line
+        )
+    return count
+
+
+def _replica(card: BulkCard, pattern: list[str], line: int) -> BulkCard:
+    """The entry below ``card``: "=" copies a field, "*2" adds 2, "==" copies all others; other words remain."""
+    if len(card.fields) > len(pattern):
+        card.places.fail(f"{card.name}: an entry of several lines cannot be replicated. Write each entry out.", line)
+    fields: list[str] = []
+    for position, word in enumerate(pattern):
+        if word == "==":
+            fields += card.fields[position:]
+            break
+        step = _STEP.fullmatch(word)
+        before = card.word(position)
+        if step and _is_whole(before) and _is_whole(step["step"]):
+            fields.append(str(int(before) + int(step["step"])))
+        elif step:
+            steps = replace(card, fields=[before, step["step"]], line=line)
+            fields.append(repr(steps.real(0) + steps.real(1)))
+        else:
+            fields.append(before if word == "=" else word)
+    return replace(card, fields=fields, line=line)
+
+
+def _is_whole(word: str) -> bool:
+    return word.removeprefix("-").removeprefix("+").isdecimal()
 
 
 def _split(line: str) -> tuple[str, list[str]]:

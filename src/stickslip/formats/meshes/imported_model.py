@@ -47,6 +47,8 @@ class ImportedModel:
         node set of the file that is one reference node of ``equations`` -> its number.
     attachments:
         mass points and springs of the file, None without any.
+    sector:
+        the entry that makes the file one sector of a disk, "" if there is none; only a study of a disk repeats it.
     length_unit, unit_system:
         units of the numbers of the file.
     messages:
@@ -73,6 +75,7 @@ class ImportedModel:
     contacts: tuple[RawContact, ...] = ()
     reference_sets: Mapping[str, int] = field(default_factory=dict)
     attachments: Attachments | None = None
+    sector: str = ""
     messages: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()

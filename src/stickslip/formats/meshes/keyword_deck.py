@@ -48,6 +48,8 @@ class Card:
         return as_number(self.fail, word, line)
 
 
+# CalculiX reads parameters with and without their blanks.
+_WITH_BLANKS = {"REFNODE": "REF NODE", "ROTNODE": "ROT NODE"}
 # Labels of nodes or elements of a card: its kind of set, a set or number, and the line.
 Find = Callable[[Card, str, str, int], IntArray]
 
@@ -90,5 +92,6 @@ def _keyword(source: Path, number: int, line: str) -> Card:
     parameters = {}
     for word in words[1:]:
         name, _, value = word.partition("=")
-        parameters[" ".join(name.split()).upper()] = value.strip().strip('"')
+        name = " ".join(name.split()).upper()
+        parameters[_WITH_BLANKS.get(name, name)] = value.strip().strip('"')
     return Card(source, " ".join(words[0].split()).upper(), parameters, number)

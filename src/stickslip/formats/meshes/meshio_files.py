@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import ImportFileError
-from stickslip.core.input_files import UnpackedCount, UnsuitableFileError, open_hdf5, open_regular
+from stickslip.core.input_files import UnpackedCount, UnsuitableFileError, open_hdf5, open_regular, read_regular
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.gmsh_content import readable_content
 from stickslip.formats.meshes.raw_model import RawBlock, RawBody, RawModel, RawSides, fail
@@ -30,7 +30,8 @@ from stickslip.structure.meshio_cells import complete_meshio
 
 _SURFACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 _LINES = ("vertex", "line", "line3")
-# The mirrored cell: MED numbers solids in the opposite order of VTK, and most programs that write it do so.
+# The mirrored cell: MED numbers solids in the opposite order of VTK, and most programs that write it do so. Programs
+# for which the order has no effect write such cells into other formats, too.
 _MIRRORED = {
     "tetra": [0, 2, 1, 3],
     "tetra10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
@@ -72,11 +73,25 @@ def read_vtu(source: Path) -> RawModel:
 
 def read_vtk(source: Path) -> RawModel:
     """The entries of a legacy VTK file with an unstructured grid, as those of a VTU file."""
-    mesh = _parsed(source, "vtk")
+    with tempfile.TemporaryDirectory() as folder:
+        mesh = _parsed(source, "vtk", _closed_copy(source, Path(folder)))
     # SCALARS have a second dimension, also with one value for each point or cell
     mesh.point_data = {name: _one_value(array) for name, array in mesh.point_data.items()}
     mesh.cell_data = {name: [_one_value(array) for array in arrays] for name, arrays in mesh.cell_data.items()}
     return _raw_of_arrays(source, "VTK", mesh)
+
+
+def _closed_copy(source: Path, folder: Path) -> Path | None:
+    """A copy whose last line ends, as meshio requires of binary files and Gmsh omits; None if it is not necessary."""
+    try:
+        content = read_regular(source)
+    except OSError:
+        return None  # the reader reports it
+    if content[-1:] == b"\n":
+        return None
+    copy = folder / "model.vtk"
+    copy.write_bytes(content + b"\n")
+    return copy
 
 
 def _one_value(array: NDArray[Any]) -> NDArray[Any]:
@@ -239,11 +254,12 @@ def _raw(source: Path, form: str, mesh: Any, groups: dict[str, Members], nodes: 
     mirrored = 0
     for block, label in zip(mesh.cells, labels, strict=True):
         if block.type in CELL_KINDS and len(block.data):
-            cells, turned = _upright(raw.coordinates, block.type, block.data, form)
+            cells, turned = _upright(raw.coordinates, block.type, block.data)
             mirrored += turned
             raw.blocks.append(RawBlock(block.type, label, cells + 1, np.zeros(len(label), dtype=np.int64)))
     if mirrored:
-        raw.messages.append(f"{mirrored} elements have the node order of MED, not that of VTK; they are converted.")
+        order = "the node order of MED, not that of VTK" if form == "MED" else "the mirrored order of their nodes"
+        raw.messages.append(f"{mirrored} elements have {order}; they are converted.")
     for name, members in nodes.items():
         raw.node_sets[name] = np.unique(members) + 1
     for name, of_block in groups.items():
@@ -252,11 +268,9 @@ def _raw(source: Path, form: str, mesh: Any, groups: dict[str, Members], nodes: 
     return raw
 
 
-def _upright(points: FloatArray, name: str, cells: IntArray, form: str) -> tuple[IntArray, int]:
-    """Cells in VTK order, and the number of reversed ones: in a MED file those that are inverted at every corner."""
+def _upright(points: FloatArray, name: str, cells: IntArray) -> tuple[IntArray, int]:
+    """Cells in VTK order, and the number of reversed ones, which are inverted at every corner."""
     array = np.array(cells, dtype=np.int64)
-    if form != "MED":
-        return array, 0
     wrong = (CELL_KINDS[name].corner_jacobians(points[array]) < 0.0).all(axis=1)
     array[wrong] = array[wrong][:, _MIRRORED[name]]
     return array, int(wrong.sum())

@@ -208,8 +208,14 @@ class _Reader:
         of_property: dict[int, list[tuple[int, int, list[int], int]]] = {}
         for row in (row for rows in self._elements.values() for row in rows):
             of_property.setdefault(row[1], []).append(row)
+        if of_property and not self._properties:
+            self.raw.messages.append("the deck has no PSOLID, so its bodies have no material; give it in the study.")
         for number, mine in of_property.items():
             card = self._properties.get(number)
+            if not self._properties:
+                elements = np.array([row[0] for row in mine], dtype=np.int64)
+                self.raw.bodies.append(RawBody(self._name(number), elements, None, mine[0][3]))
+                continue
             if card is None:
                 self.raw.fail(
                     f"element {mine[0][0]} has the property {number}, but there is no such PSOLID.", mine[0][3]

@@ -173,6 +173,8 @@ class RawModel:
         displacements of zero, and forces on nodes.
     ties, contacts:
         linear equations between displacements, and contact pairs.
+    sector:
+        the entry that repeats the model round an axis, "" without one; the boundaries are face or node sets.
     masses, springs:
         mass points and springs at nodes.
     node_surfaces:
@@ -205,6 +207,7 @@ class RawModel:
     loads: list[RawLoad] = field(default_factory=list)
     ties: RawTies = field(default_factory=RawTies)
     contacts: list[RawContact] = field(default_factory=list)
+    sector: str = ""
     masses: list[RawMass] = field(default_factory=list)
     springs: list[RawSpring] = field(default_factory=list)
     node_surfaces: set[str] = field(default_factory=set)

@@ -138,6 +138,7 @@ class MeshKind(OwnKind[MeshCase]):
         or empty, a material that is missing, faces without a pair, and a body without support.
         """
         source = read_source(case.structure)
+        _require_complete(source)
         mesh, materials = source.mesh, body_materials(case, source)
         odd_values = tuple(model_oddities(mesh, dict(zip(mesh.body_names, materials, strict=True))))
         with suspecting(odd_values):
@@ -203,6 +204,16 @@ def read_source(section: MeshFileSection) -> ImportedModel:
     with keys_of_section("structure"), concerning("file"):
         return read_model(
             section.file, section.length_unit, section.unit_system, bool(section.includes_outside), section.temperature
+        )
+
+
+def _require_complete(source: ImportedModel) -> None:
+    if source.sector:
+        raise InputError(
+            f'the model is one sector of a disk: {source.sector}. kind is "mesh", which would solve the sector alone. '
+            'Use kind = "cyclic" with left and right for its boundaries (docs/bladed_disks.md), or remove the entry '
+            "from the model file.",
+            ["structure.kind"],
         )
 
 
