@@ -284,7 +284,7 @@ def _periods(
         np.empty(n_pairs, dtype=np.int8),
         np.empty(n_pairs, dtype=np.bool_),
         np.empty(n_pairs),
-        np.empty((n_pairs, 2)),
+        np.empty((n_pairs, 4)),
     )
     ratios = _ratios(pairs.tangential_springs)
 

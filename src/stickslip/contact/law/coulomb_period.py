@@ -283,8 +283,8 @@ def settle_pairs(
     """State of every pair after the cycles: fills forces and samples (n_pairs, 2, n), modes (n_pairs, n), the rest.
 
     ``samples`` are the forces with corrections, so that their sum is the integral (:func:`corrected_samples`).
-    ``starts`` (n_pairs, 2) is y, with which the last cycle starts, and in which pairs that have shaken down still touch
-    their limit; ``closures`` (n_pairs,) N is what the period changes.
+    ``starts`` (n_pairs, 4) is y, with which the last cycle starts, and in which pairs that have shaken down still touch
+    their limit, and the force with which that cycle ends; ``closures`` (n_pairs,) N is what the period changes.
     """
     for pair in range(limits.shape[0]):
         path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
@@ -299,8 +299,10 @@ def settle_pairs(
                 samples[pair, 0, j], samples[pair, 1, j], mode[j] = force[0, j], force[1, j], STICK
             states[pair], deviates[pair], closures[pair] = STICK, False, 0.0
             starts[pair, 0], starts[pair, 1] = path[0, 0] + mean1, path[1, 0] + mean2
+            starts[pair, 2], starts[pair, 3] = starts[pair, 0], starts[pair, 1]
             continue
         starts[pair, 0], starts[pair, 1], t1, t2 = settle(motion, force, mode)
+        starts[pair, 2], starts[pair, 3] = t1, t2
         corrected_samples(path, limit, t1, t2, force, mode, samples[pair])
         change1, change2 = force[0, 0] - t1, force[1, 0] - t2
         for j in range(n):  # sample 0 is that of the end
