@@ -24,8 +24,6 @@ Index = int | np.int64
 STICK, SLIP, OPEN = (int(state) for state in ContactState)  # numba takes plain numbers
 # |T| may exceed the limit by this relative amount and still count as stick: round-off of a pair that touches its limit.
 STICK_TOLERANCE = 1e-14
-# Unit perturbations of the six inputs of a step.
-_UNIT = tuple(tuple(float(row == column) for column in range(6)) for row in range(6))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -219,15 +217,20 @@ def slip_jacobian(
     n1, n2 = s1 / limit_onset, s2 / limit_onset
     # theta is constant here: the rates of stick and slip differ along T alone, so a shift of the onset turns T to
     # second order.
-    for column in range(6):
-        dt1, dt2, dd1, dd2, dstart, dend = _UNIT[column]
-        ds1, ds2 = dt1 + theta * dd1, dt2 + theta * dd2
-        donset = rest * dstart + theta * dend
-        dtravel = (e1 * dd1 + e2 * dd2) * rest * inverse
-        dtravel += length * rest * (inverse_by_first * donset + inverse_by_last * dend)
-        dangle = (e1 * dd2 - e2 * dd1) * loss_per_length + keep * (n1 * ds2 - n2 * ds1) / limit_onset - sine * dtravel
-        jacobian[0, column] = dend * u1 - limit_end * u2 * dangle
-        jacobian[1, column] = dend * u2 + limit_end * u1 * dangle
+    by_old, by_travel = keep / limit_onset, -sine * rest
+    along = -by_travel * inverse
+    turn1, turn2 = -by_old * n2, by_old * n1  # derivatives of the angle of T by t1, t2, then d1, d2 and the limits
+    turn3 = theta * turn1 - e2 * loss_per_length - along * e1
+    turn4 = theta * turn2 + e1 * loss_per_length - along * e2
+    turn5 = by_travel * length * rest * inverse_by_first
+    turn6 = by_travel * length * (theta * inverse_by_first + inverse_by_last)
+    across1, across2 = -limit_end * u2, limit_end * u1
+    jacobian[0, 0], jacobian[1, 0] = across1 * turn1, across2 * turn1
+    jacobian[0, 1], jacobian[1, 1] = across1 * turn2, across2 * turn2
+    jacobian[0, 2], jacobian[1, 2] = across1 * turn3, across2 * turn3
+    jacobian[0, 3], jacobian[1, 3] = across1 * turn4, across2 * turn4
+    jacobian[0, 4], jacobian[1, 4] = across1 * turn5, across2 * turn5
+    jacobian[0, 5], jacobian[1, 5] = u1 + across1 * turn6, u2 + across2 * turn6
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -67,14 +67,20 @@ class Motion(NamedTuple):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def march(motion: Motion, t1: float, t2: float, force: FloatArray, mode: CodeArray) -> None:
-    """March one period from sample 0 with force (t1, t2); fills ``force`` and ``mode``, whose sample 0 is the end."""
+def march(motion: Motion, t1: float, t2: float, again: bool, force: FloatArray, mode: CodeArray) -> None:
+    """March one period from sample 0 with force (t1, t2); fills ``force`` and ``mode``, whose sample 0 is the end.
+
+    ``again``: both contain an earlier march of the same motion. Where the march meets it, to the last bit, in force and code,
+    the rest of the period is that of the earlier one.
+    """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
     n = limit.shape[0]
     for step in range(1, n + 1):
         i, j = step - 1, step % n
         d1, d2 = path[0, step] - path[0, i], path[1, step] - path[1, i]
         t1, t2, code = advance(t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix)
+        if again and mode[j] == code and t1 == force[0, j] and t2 == force[1, j]:
+            return
         force[0, j], force[1, j], mode[j] = t1, t2, code
 
 
@@ -171,7 +177,7 @@ def solve_stage(
     best, since = math.inf, 0
     for _ in range(MOST_MARCHES):
         t1, t2 = start_force(motion, y1, y2)
-        march(motion, t1, t2, force, mode)
+        march(motion, t1, t2, True, force, mode)
         f1, f2 = y1 - a1 - cycles * (force[0, 0] - y1), y2 - a2 - cycles * (force[1, 0] - y2)
         size = math.hypot(f1, f2)
         if size <= enough:
@@ -203,7 +209,7 @@ def staged(motion: Motion, largest: float, force: FloatArray, mode: CodeArray) -
     y1, y2 = a1, a2
     for _ in range(HALVINGS):
         t1, t2 = start_force(motion, y1, y2)
-        march(motion, t1, t2, force, mode)
+        march(motion, t1, t2, True, force, mode)
         y1, y2 = 0.5 * (a1 + force[0, 0]), 0.5 * (a2 + force[1, 0])
     cycles, factor = 1.0, STAGE
     while cycles < CYCLES and factor > LEAST_STAGE:
@@ -230,21 +236,21 @@ def settle(motion: Motion, force: FloatArray, mode: CodeArray) -> tuple[float, f
             opens = True
     a1, a2 = initial_force(motion, 1.0)
     t1, t2 = start_force(motion, a1, a2)
-    march(motion, t1, t2, force, mode)
+    march(motion, t1, t2, False, force, mode)
     y1, y2 = force[0, 0], force[1, 0]
     if opens:
         # An open sample carries no force, so the end of a period does not depend on its start.
-        march(motion, y1, y2, force, mode)
+        march(motion, y1, y2, True, force, mode)
         return y1, y2, y1, y2
     # From the end of one cycle, which is near where the pair slips far.
     y1, y2, solved = solve_stage(motion, y1, y2, CYCLES, SOLVED * CYCLES * largest, force, mode)
     if not solved:
         y1, y2 = staged(motion, largest, force, mode)
         t1, t2 = start_force(motion, y1, y2)
-        march(motion, t1, t2, force, mode)
+        march(motion, t1, t2, True, force, mode)
     # The period after the cycles: a pair that slips far to both sides has forgotten its start altogether.
     end1, end2 = force[0, 0], force[1, 0]
-    march(motion, end1, end2, force, mode)
+    march(motion, end1, end2, True, force, mode)
     return y1, y2, end1, end2
 
 
