@@ -73,15 +73,12 @@ def slide_frame(t1: float, t2: float, d1: float, d2: float) -> tuple[float, floa
 
     The function uses the half-angle form without cancellation, so phi near pi has all digits.
     """
-    length = math.hypot(d1, d2)
+    length, norm = math.sqrt(d1 * d1 + d2 * d2), math.sqrt(t1 * t1 + t2 * t2)
+    u1, u2 = t1 / norm, t2 / norm
+    e1, e2 = u1, u2
     if length > 0.0:
         e1, e2 = d1 / length, d2 / length
-    else:
-        norm = math.hypot(t1, t2)
-        e1, e2 = t1 / norm, t2 / norm
-    norm = math.hypot(t1, t2)
-    cosine = (t1 * e1 + t2 * e2) / norm
-    sine = (e1 * t2 - e2 * t1) / norm
+    cosine, sine = u1 * e1 + u2 * e2, e1 * u2 - e2 * u1
     if cosine >= 0.0:
         return e1, e2, length, 1.0 + cosine, sine
     return e1, e2, length, sine, 1.0 - cosine
@@ -125,6 +122,23 @@ def associated_return(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def elastic_step(
+    t1: float, t2: float, d1: float, d2: float, limit_start: float, limit_end: float
+) -> tuple[float, float, int]:
+    """Force at the end of a step that the pair would have without slip, and how the step ends: STICK, SLIP or OPEN."""
+    if limit_end <= 0.0:
+        return 0.0, 0.0, OPEN
+    if limit_start <= 0.0:
+        # Touchdown: the spring starts to load, from zero, where the limit passes zero.
+        closed = limit_end / (limit_end - limit_start)
+        t1, t2, d1, d2 = 0.0, 0.0, d1 * closed, d2 * closed
+    trial1, trial2 = t1 + d1, t2 + d2
+    if trial1 * trial1 + trial2 * trial2 <= (limit_end * (1.0 + STICK_TOLERANCE)) ** 2:
+        return trial1, trial2, STICK
+    return trial1, trial2, SLIP
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def advance(
     t1: float,
     t2: float,
@@ -137,15 +151,9 @@ def advance(
     tractrix: bool,
 ) -> tuple[float, float, int]:
     """Friction force at the end of a step, and how it ends: STICK, SLIP or OPEN."""
-    if limit_end <= 0.0:
-        return 0.0, 0.0, OPEN
-    if limit_start <= 0.0:
-        # Touchdown: the spring starts to load, from zero, where the limit passes zero.
-        closed = limit_end / (limit_end - limit_start)
-        t1, t2, d1, d2 = 0.0, 0.0, d1 * closed, d2 * closed
-    trial1, trial2 = t1 + d1, t2 + d2
-    if trial1 * trial1 + trial2 * trial2 <= (limit_end * (1.0 + STICK_TOLERANCE)) ** 2:
-        return trial1, trial2, STICK
+    trial1, trial2, code = elastic_step(t1, t2, d1, d2, limit_start, limit_end)
+    if code != SLIP:
+        return trial1, trial2, code
     if not tractrix or limit_start <= 0.0 or ratio1 != ratio2:
         new1, new2, _ = associated_return(trial1, trial2, limit_end, ratio1, ratio2)
         return new1, new2, SLIP
@@ -177,20 +185,19 @@ def slip_jacobian(
     d2: float,
     limit_start: float,
     limit_end: float,
-    new1: float,
-    new2: float,
     ratio1: float,
     ratio2: float,
     tractrix: bool,
     jacobian: FloatArray,
-) -> None:
-    """Fill ``jacobian`` (2, 6) of a SLIP step: its end (new1, new2) by t1, t2, d1, d2, limit_start, limit_end."""
+) -> tuple[float, float]:
+    """Force at the end of a SLIP step; fills ``jacobian`` (2, 6) by t1, t2, d1, d2, limit_start, limit_end."""
     if not tractrix or limit_start <= 0.0 or ratio1 != ratio2:
         closed, by_start, by_end, from_old = 1.0, 0.0, 0.0, 1.0
         if limit_start <= 0.0:
             span = limit_end - limit_start
             closed, by_start, by_end, from_old = limit_end / span, limit_end / span**2, -limit_start / span**2, 0.0
-        _, _, x = associated_return(from_old * t1 + closed * d1, from_old * t2 + closed * d2, limit_end, ratio1, ratio2)
+        trial1, trial2 = from_old * t1 + closed * d1, from_old * t2 + closed * d2
+        new1, new2, x = associated_return(trial1, trial2, limit_end, ratio1, ratio2)
         r11, r12, r21, r22, l1, l2 = return_jacobian(new1, new2, x, limit_end, ratio1, ratio2)
         jacobian[0, 0], jacobian[0, 1] = from_old * r11, from_old * r12
         jacobian[1, 0], jacobian[1, 1] = from_old * r21, from_old * r22
@@ -199,7 +206,7 @@ def slip_jacobian(
         along1, along2 = r11 * d1 + r12 * d2, r21 * d1 + r22 * d2
         jacobian[0, 4], jacobian[1, 4] = by_start * along1, by_start * along2
         jacobian[0, 5], jacobian[1, 5] = l1 + by_end * along1, l2 + by_end * along2
-        return
+        return new1, new2
     theta = slip_onset(t1, t2, d1, d2, limit_start, limit_end)
     change, rest = limit_end - limit_start, 1.0 - theta
     s1, s2 = t1 + theta * d1, t2 + theta * d2
@@ -208,12 +215,12 @@ def slip_jacobian(
     inverse, inverse_by_first, inverse_by_last = inverse_mean_limit(limit_onset, limit_end)
     travel = length * rest * inverse
     decay = math.exp(-travel)
-    _, sine = turned(a, b, decay)
+    cosine, sine = turned(a, b, decay)
     norm = a * a + (b * decay) ** 2
     keep = decay * (a * a + b * b) / norm if norm > 0.0 else 1.0
     loss_per_length = -math.expm1(-travel) / length if length > 0.0 else rest * inverse
     loss_per_length *= (a * a - b * b * decay) / norm if norm > 0.0 else 1.0
-    u1, u2 = new1 / limit_end, new2 / limit_end
+    u1, u2 = cosine * e1 - sine * e2, cosine * e2 + sine * e1
     n1, n2 = s1 / limit_onset, s2 / limit_onset
     # theta is constant here: the rates of stick and slip differ along T alone, so a shift of the onset turns T to
     # second order.
@@ -231,6 +238,7 @@ def slip_jacobian(
     jacobian[0, 3], jacobian[1, 3] = across1 * turn4, across2 * turn4
     jacobian[0, 4], jacobian[1, 4] = across1 * turn5, across2 * turn5
     jacobian[0, 5], jacobian[1, 5] = u1 + across1 * turn6, u2 + across2 * turn6
+    return limit_end * u1, limit_end * u2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -255,8 +263,6 @@ def step_jacobian(
     d2: float,
     limit_start: float,
     limit_end: float,
-    new1: float,
-    new2: float,
     ratio1: float,
     ratio2: float,
     tractrix: bool,
@@ -266,6 +272,6 @@ def step_jacobian(
     if code == OPEN:
         jacobian[:] = 0.0
     elif code == SLIP:
-        slip_jacobian(t1, t2, d1, d2, limit_start, limit_end, new1, new2, ratio1, ratio2, tractrix, jacobian)
+        slip_jacobian(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, tractrix, jacobian)
     else:
         stick_jacobian(d1, d2, limit_start, limit_end, jacobian)

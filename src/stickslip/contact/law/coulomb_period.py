@@ -103,7 +103,7 @@ def transfer(
         if mode[j] == SLIP:
             slip_jacobian(
                 t1, t2, path[0, step] - path[0, i], path[1, step] - path[1, i], limit[i], limit[j],
-                force[0, j], force[1, j], ratio1, ratio2, tractrix, jacobian,
+                ratio1, ratio2, tractrix, jacobian,
             )  # fmt: skip
             a11, a12, a21, a22 = jacobian[0, 0], jacobian[0, 1], jacobian[1, 0], jacobian[1, 1]
             p11, p21 = a11 * p11 + a12 * p21, a21 * p11 + a22 * p21

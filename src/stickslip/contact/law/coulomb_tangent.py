@@ -13,7 +13,7 @@ from stickslip.contact.law.coulomb_kernel import (
     SLIP,
     STICK,
     Index,
-    advance,
+    elastic_step,
     slip_jacobian,
     stick_jacobian,
 )
@@ -113,7 +113,7 @@ def march_tangent(
     for step in range(1, n + 1):
         i, j = np.int64(step - 1), np.int64(step % n)
         d1, d2 = path[0, step] - path[0, i], path[1, step] - path[1, i]
-        new1, new2, code = advance(t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix)
+        new1, new2, code = elastic_step(t1, t2, d1, d2, limit[i], limit[j])
         if code == STICK and limit[i] > 0.0:
             if anchor < 0:
                 anchor = i
@@ -122,8 +122,8 @@ def march_tangent(
                 gather_stick(basis, anchor, i, scale, derivative, coefficients)
                 anchor = np.int64(-1)
             if code == SLIP:
-                slip_jacobian(
-                    t1, t2, d1, d2, limit[i], limit[j], new1, new2, ratio1, ratio2, tractrix, jacobian
+                new1, new2 = slip_jacobian(
+                    t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix, jacobian
                 )  # fmt: skip
             elif code == STICK:
                 stick_jacobian(d1, d2, limit[i], limit[j], jacobian)
