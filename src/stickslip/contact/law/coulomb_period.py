@@ -70,8 +70,8 @@ class Motion(NamedTuple):
 def march(motion: Motion, t1: float, t2: float, again: bool, force: FloatArray, mode: CodeArray) -> None:
     """March one period from sample 0 with force (t1, t2); fills ``force`` and ``mode``, whose sample 0 is the end.
 
-    ``again``: both contain an earlier march of the same motion. Where the march meets it, to the last bit, in force and code,
-    the rest of the period is that of the earlier one.
+    ``again``: both contain an earlier march of the same motion. If the march meets it to the last bit, in force and
+    code, the rest of the period is the same and stays.
     """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
     n = limit.shape[0]

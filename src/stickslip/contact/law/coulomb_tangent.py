@@ -278,10 +278,10 @@ def pair_tangent(
 ) -> None:
     """Fill ``tangent`` (2, width, 3 * width): derivative of the tangential force coefficients after the cycles.
 
-    ``start`` (4,) is y and P of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion. The last cycle
-    starts with the force T(y, l) at a limit l and ends with P; with b the derivative of P by the motion at fixed T, and
-    Phi that by T, ``y = a + C (P - y)`` gives ``(I + C (I - Phi T_y)) dy = da + C (b + Phi T_l dl)``. The period after
-    it starts with P.
+    ``start`` (4,) is y and P of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion. The last
+    cycle starts with the force T(y, l) at a limit l and ends with P; with b the derivative of P by the motion at fixed
+    T, and Phi that by T, ``y = a + C (P - y)`` gives ``(I + C (I - Phi T_y)) dy = da + C (b + Phi T_l dl)``. The period
+    after it starts with P. Only if both are the same, the analysis of the last cycle is that of the period.
     """
     width = basis.synthesis.shape[1]
     columns = 3 * width + 2
