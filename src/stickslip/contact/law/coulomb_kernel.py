@@ -24,6 +24,8 @@ Index = int | np.int64
 STICK, SLIP, OPEN = (int(state) for state in ContactState)  # numba takes plain numbers
 # |T| may exceed the limit by this relative amount and still count as stick: round-off of a pair that touches its limit.
 STICK_TOLERANCE = 1e-14
+# chosen: between these, the square of a length has all digits (double precision: 1e-308 to 1e308).
+SMALLEST_SQUARE, LARGEST_SQUARE = 1e-280, 1e280
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -68,12 +70,21 @@ def slip_onset(t1: float, t2: float, d1: float, d2: float, limit_start: float, l
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def length_of(x: float, y: float) -> float:
+    """``hypot(x, y)``, quicker wherever the square of the length is a normal number."""
+    square = x * x + y * y
+    if SMALLEST_SQUARE < square < LARGEST_SQUARE:
+        return math.sqrt(square)
+    return math.hypot(x, y)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def slide_frame(t1: float, t2: float, d1: float, d2: float) -> tuple[float, float, float, float, float]:
     """Direction e of the motion, its length, and (a, b) with tan(phi / 2) = b / a, phi the angle from e to T.
 
     The function uses the half-angle form without cancellation, so phi near pi has all digits.
     """
-    length, norm = math.sqrt(d1 * d1 + d2 * d2), math.sqrt(t1 * t1 + t2 * t2)
+    length, norm = length_of(d1, d2), length_of(t1, t2)
     u1, u2 = t1 / norm, t2 / norm
     e1, e2 = u1, u2
     if length > 0.0:
