@@ -23,7 +23,7 @@ def test_every_pair_closes_its_period(update: Update) -> None:
         actual = harmonic_force(x, pairs, 64, update)
         path = pairs.tangential_springs * (sampled(x, 64)[0, :, :2] - x[:, :2, 0])
         limit = pairs.friction_coefficient[:, None] * (pairs.preload[:, None] + sampled(x, 64)[:, :, 2].T)
-        moved = np.hypot(*(actual.period_start - path).T) / np.maximum(limit.max(axis=1), 1e-300)
+        moved = np.hypot(*(actual.period_start[:, :2] - path).T) / np.maximum(limit.max(axis=1), 1e-300)
         norms = np.sqrt(pairs.tangential_springs.max(axis=1) / pairs.tangential_springs.min(axis=1))
         assert np.all(actual.closure <= 1.001 * norms * moved / CYCLES + 1e-12)
         assert set(actual.state) >= {0, 1}

@@ -82,7 +82,7 @@ class HarmonicForce:
     closure:
         (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period; 0 where a pair sticks or opens.
     period_start:
-        (n_pairs, 2) N, the force at the start of the period, for :func:`harmonic_tangent`.
+        (n_pairs, 4) N, the forces at the start and at the end of the last cycle, for :func:`harmonic_tangent`.
     """
 
     force: FloatArray
@@ -284,7 +284,7 @@ def _periods(
         np.empty(n_pairs, dtype=np.int8),
         np.empty(n_pairs, dtype=np.bool_),
         np.empty(n_pairs),
-        np.empty((n_pairs, 2)),
+        np.empty((n_pairs, 4)),
     )
     ratios = _ratios(pairs.tangential_springs)
 

@@ -24,8 +24,8 @@ Index = int | np.int64
 STICK, SLIP, OPEN = (int(state) for state in ContactState)  # numba takes plain numbers
 # |T| may exceed the limit by this relative amount and still count as stick: round-off of a pair that touches its limit.
 STICK_TOLERANCE = 1e-14
-# Unit perturbations of the six inputs of a step.
-_UNIT = tuple(tuple(float(row == column) for column in range(6)) for row in range(6))
+# chosen: between these, the square of a length has all digits (double precision: 1e-308 to 1e308).
+SMALLEST_SQUARE, LARGEST_SQUARE = 1e-280, 1e280
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -70,20 +70,26 @@ def slip_onset(t1: float, t2: float, d1: float, d2: float, limit_start: float, l
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def length_of(x: float, y: float) -> float:
+    """``hypot(x, y)``, quicker wherever the square of the length is a normal number."""
+    square = x * x + y * y
+    if SMALLEST_SQUARE < square < LARGEST_SQUARE:
+        return math.sqrt(square)
+    return math.hypot(x, y)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def slide_frame(t1: float, t2: float, d1: float, d2: float) -> tuple[float, float, float, float, float]:
     """Direction e of the motion, its length, and (a, b) with tan(phi / 2) = b / a, phi the angle from e to T.
 
     The function uses the half-angle form without cancellation, so phi near pi has all digits.
     """
-    length = math.hypot(d1, d2)
+    length, norm = length_of(d1, d2), length_of(t1, t2)
+    u1, u2 = t1 / norm, t2 / norm
+    e1, e2 = u1, u2
     if length > 0.0:
         e1, e2 = d1 / length, d2 / length
-    else:
-        norm = math.hypot(t1, t2)
-        e1, e2 = t1 / norm, t2 / norm
-    norm = math.hypot(t1, t2)
-    cosine = (t1 * e1 + t2 * e2) / norm
-    sine = (e1 * t2 - e2 * t1) / norm
+    cosine, sine = u1 * e1 + u2 * e2, e1 * u2 - e2 * u1
     if cosine >= 0.0:
         return e1, e2, length, 1.0 + cosine, sine
     return e1, e2, length, sine, 1.0 - cosine
@@ -127,6 +133,23 @@ def associated_return(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def elastic_step(
+    t1: float, t2: float, d1: float, d2: float, limit_start: float, limit_end: float
+) -> tuple[float, float, int]:
+    """Force at the end of a step that the pair would have without slip, and how the step ends: STICK, SLIP or OPEN."""
+    if limit_end <= 0.0:
+        return 0.0, 0.0, OPEN
+    if limit_start <= 0.0:
+        # Touchdown: the spring starts to load, from zero, where the limit passes zero.
+        closed = limit_end / (limit_end - limit_start)
+        t1, t2, d1, d2 = 0.0, 0.0, d1 * closed, d2 * closed
+    trial1, trial2 = t1 + d1, t2 + d2
+    if trial1 * trial1 + trial2 * trial2 <= (limit_end * (1.0 + STICK_TOLERANCE)) ** 2:
+        return trial1, trial2, STICK
+    return trial1, trial2, SLIP
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def advance(
     t1: float,
     t2: float,
@@ -139,15 +162,9 @@ def advance(
     tractrix: bool,
 ) -> tuple[float, float, int]:
     """Friction force at the end of a step, and how it ends: STICK, SLIP or OPEN."""
-    if limit_end <= 0.0:
-        return 0.0, 0.0, OPEN
-    if limit_start <= 0.0:
-        # Touchdown: the spring starts to load, from zero, where the limit passes zero.
-        closed = limit_end / (limit_end - limit_start)
-        t1, t2, d1, d2 = 0.0, 0.0, d1 * closed, d2 * closed
-    trial1, trial2 = t1 + d1, t2 + d2
-    if trial1 * trial1 + trial2 * trial2 <= (limit_end * (1.0 + STICK_TOLERANCE)) ** 2:
-        return trial1, trial2, STICK
+    trial1, trial2, code = elastic_step(t1, t2, d1, d2, limit_start, limit_end)
+    if code != SLIP:
+        return trial1, trial2, code
     if not tractrix or limit_start <= 0.0 or ratio1 != ratio2:
         new1, new2, _ = associated_return(trial1, trial2, limit_end, ratio1, ratio2)
         return new1, new2, SLIP
@@ -179,20 +196,19 @@ def slip_jacobian(
     d2: float,
     limit_start: float,
     limit_end: float,
-    new1: float,
-    new2: float,
     ratio1: float,
     ratio2: float,
     tractrix: bool,
     jacobian: FloatArray,
-) -> None:
-    """Fill ``jacobian`` (2, 6) of a SLIP step: its end (new1, new2) by t1, t2, d1, d2, limit_start, limit_end."""
+) -> tuple[float, float]:
+    """Force at the end of a SLIP step; fills ``jacobian`` (2, 6) by t1, t2, d1, d2, limit_start, limit_end."""
     if not tractrix or limit_start <= 0.0 or ratio1 != ratio2:
         closed, by_start, by_end, from_old = 1.0, 0.0, 0.0, 1.0
         if limit_start <= 0.0:
             span = limit_end - limit_start
             closed, by_start, by_end, from_old = limit_end / span, limit_end / span**2, -limit_start / span**2, 0.0
-        _, _, x = associated_return(from_old * t1 + closed * d1, from_old * t2 + closed * d2, limit_end, ratio1, ratio2)
+        trial1, trial2 = from_old * t1 + closed * d1, from_old * t2 + closed * d2
+        new1, new2, x = associated_return(trial1, trial2, limit_end, ratio1, ratio2)
         r11, r12, r21, r22, l1, l2 = return_jacobian(new1, new2, x, limit_end, ratio1, ratio2)
         jacobian[0, 0], jacobian[0, 1] = from_old * r11, from_old * r12
         jacobian[1, 0], jacobian[1, 1] = from_old * r21, from_old * r22
@@ -201,7 +217,7 @@ def slip_jacobian(
         along1, along2 = r11 * d1 + r12 * d2, r21 * d1 + r22 * d2
         jacobian[0, 4], jacobian[1, 4] = by_start * along1, by_start * along2
         jacobian[0, 5], jacobian[1, 5] = l1 + by_end * along1, l2 + by_end * along2
-        return
+        return new1, new2
     theta = slip_onset(t1, t2, d1, d2, limit_start, limit_end)
     change, rest = limit_end - limit_start, 1.0 - theta
     s1, s2 = t1 + theta * d1, t2 + theta * d2
@@ -210,24 +226,30 @@ def slip_jacobian(
     inverse, inverse_by_first, inverse_by_last = inverse_mean_limit(limit_onset, limit_end)
     travel = length * rest * inverse
     decay = math.exp(-travel)
-    _, sine = turned(a, b, decay)
+    cosine, sine = turned(a, b, decay)
     norm = a * a + (b * decay) ** 2
     keep = decay * (a * a + b * b) / norm if norm > 0.0 else 1.0
     loss_per_length = -math.expm1(-travel) / length if length > 0.0 else rest * inverse
     loss_per_length *= (a * a - b * b * decay) / norm if norm > 0.0 else 1.0
-    u1, u2 = new1 / limit_end, new2 / limit_end
+    u1, u2 = cosine * e1 - sine * e2, cosine * e2 + sine * e1
     n1, n2 = s1 / limit_onset, s2 / limit_onset
     # theta is constant here: the rates of stick and slip differ along T alone, so a shift of the onset turns T to
     # second order.
-    for column in range(6):
-        dt1, dt2, dd1, dd2, dstart, dend = _UNIT[column]
-        ds1, ds2 = dt1 + theta * dd1, dt2 + theta * dd2
-        donset = rest * dstart + theta * dend
-        dtravel = (e1 * dd1 + e2 * dd2) * rest * inverse
-        dtravel += length * rest * (inverse_by_first * donset + inverse_by_last * dend)
-        dangle = (e1 * dd2 - e2 * dd1) * loss_per_length + keep * (n1 * ds2 - n2 * ds1) / limit_onset - sine * dtravel
-        jacobian[0, column] = dend * u1 - limit_end * u2 * dangle
-        jacobian[1, column] = dend * u2 + limit_end * u1 * dangle
+    by_old, by_travel = keep / limit_onset, -sine * rest
+    along = -by_travel * inverse
+    turn1, turn2 = -by_old * n2, by_old * n1  # derivatives of the angle of T by t1, t2, then d1, d2 and the limits
+    turn3 = theta * turn1 - e2 * loss_per_length - along * e1
+    turn4 = theta * turn2 + e1 * loss_per_length - along * e2
+    turn5 = by_travel * length * rest * inverse_by_first
+    turn6 = by_travel * length * (theta * inverse_by_first + inverse_by_last)
+    across1, across2 = -limit_end * u2, limit_end * u1
+    jacobian[0, 0], jacobian[1, 0] = across1 * turn1, across2 * turn1
+    jacobian[0, 1], jacobian[1, 1] = across1 * turn2, across2 * turn2
+    jacobian[0, 2], jacobian[1, 2] = across1 * turn3, across2 * turn3
+    jacobian[0, 3], jacobian[1, 3] = across1 * turn4, across2 * turn4
+    jacobian[0, 4], jacobian[1, 4] = across1 * turn5, across2 * turn5
+    jacobian[0, 5], jacobian[1, 5] = u1 + across1 * turn6, u2 + across2 * turn6
+    return limit_end * u1, limit_end * u2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -252,8 +274,6 @@ def step_jacobian(
     d2: float,
     limit_start: float,
     limit_end: float,
-    new1: float,
-    new2: float,
     ratio1: float,
     ratio2: float,
     tractrix: bool,
@@ -263,6 +283,6 @@ def step_jacobian(
     if code == OPEN:
         jacobian[:] = 0.0
     elif code == SLIP:
-        slip_jacobian(t1, t2, d1, d2, limit_start, limit_end, new1, new2, ratio1, ratio2, tractrix, jacobian)
+        slip_jacobian(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, tractrix, jacobian)
     else:
         stick_jacobian(d1, d2, limit_start, limit_end, jacobian)

@@ -93,7 +93,7 @@ def _fill(
             new1, new2, code = advance(t1, t2, d1, d2, start, end, ratio1, ratio2, tractrix)
             if code == STICK and math.hypot(new1, new2) >= end * (1.0 - TOUCH):
                 code = SLIP
-            step_jacobian(code, t1, t2, d1, d2, start, end, new1, new2, ratio1, ratio2, tractrix, jacobian)
+            step_jacobian(code, t1, t2, d1, d2, start, end, ratio1, ratio2, tractrix, jacobian)
             for row in range(2):
                 for column in range(2):
                     keep[j, pair, row, column] = jacobian[row, column]

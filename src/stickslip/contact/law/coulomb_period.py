@@ -67,14 +67,20 @@ class Motion(NamedTuple):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def march(motion: Motion, t1: float, t2: float, force: FloatArray, mode: CodeArray) -> None:
-    """March one period from sample 0 with force (t1, t2); fills ``force`` and ``mode``, whose sample 0 is the end."""
+def march(motion: Motion, t1: float, t2: float, again: bool, force: FloatArray, mode: CodeArray) -> None:
+    """March one period from sample 0 with force (t1, t2); fills ``force`` and ``mode``, whose sample 0 is the end.
+
+    ``again``: both contain an earlier march of the same motion. If the march meets it to the last bit, in force and
+    code, the rest of the period is the same and stays.
+    """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
     n = limit.shape[0]
     for step in range(1, n + 1):
         i, j = step - 1, step % n
         d1, d2 = path[0, step] - path[0, i], path[1, step] - path[1, i]
         t1, t2, code = advance(t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix)
+        if again and mode[j] == code and t1 == force[0, j] and t2 == force[1, j]:
+            return
         force[0, j], force[1, j], mode[j] = t1, t2, code
 
 
@@ -97,7 +103,7 @@ def transfer(
         if mode[j] == SLIP:
             slip_jacobian(
                 t1, t2, path[0, step] - path[0, i], path[1, step] - path[1, i], limit[i], limit[j],
-                force[0, j], force[1, j], ratio1, ratio2, tractrix, jacobian,
+                ratio1, ratio2, tractrix, jacobian,
             )  # fmt: skip
             a11, a12, a21, a22 = jacobian[0, 0], jacobian[0, 1], jacobian[1, 0], jacobian[1, 1]
             p11, p21 = a11 * p11 + a12 * p21, a21 * p11 + a22 * p21
@@ -171,7 +177,7 @@ def solve_stage(
     best, since = math.inf, 0
     for _ in range(MOST_MARCHES):
         t1, t2 = start_force(motion, y1, y2)
-        march(motion, t1, t2, force, mode)
+        march(motion, t1, t2, True, force, mode)
         f1, f2 = y1 - a1 - cycles * (force[0, 0] - y1), y2 - a2 - cycles * (force[1, 0] - y2)
         size = math.hypot(f1, f2)
         if size <= enough:
@@ -203,7 +209,7 @@ def staged(motion: Motion, largest: float, force: FloatArray, mode: CodeArray) -
     y1, y2 = a1, a2
     for _ in range(HALVINGS):
         t1, t2 = start_force(motion, y1, y2)
-        march(motion, t1, t2, force, mode)
+        march(motion, t1, t2, True, force, mode)
         y1, y2 = 0.5 * (a1 + force[0, 0]), 0.5 * (a2 + force[1, 0])
     cycles, factor = 1.0, STAGE
     while cycles < CYCLES and factor > LEAST_STAGE:
@@ -230,21 +236,21 @@ def settle(motion: Motion, force: FloatArray, mode: CodeArray) -> tuple[float, f
             opens = True
     a1, a2 = initial_force(motion, 1.0)
     t1, t2 = start_force(motion, a1, a2)
-    march(motion, t1, t2, force, mode)
+    march(motion, t1, t2, False, force, mode)
     y1, y2 = force[0, 0], force[1, 0]
     if opens:
         # An open sample carries no force, so the end of a period does not depend on its start.
-        march(motion, y1, y2, force, mode)
+        march(motion, y1, y2, True, force, mode)
         return y1, y2, y1, y2
     # From the end of one cycle, which is near where the pair slips far.
     y1, y2, solved = solve_stage(motion, y1, y2, CYCLES, SOLVED * CYCLES * largest, force, mode)
     if not solved:
         y1, y2 = staged(motion, largest, force, mode)
         t1, t2 = start_force(motion, y1, y2)
-        march(motion, t1, t2, force, mode)
+        march(motion, t1, t2, True, force, mode)
     # The period after the cycles: a pair that slips far to both sides has forgotten its start altogether.
     end1, end2 = force[0, 0], force[1, 0]
-    march(motion, end1, end2, force, mode)
+    march(motion, end1, end2, True, force, mode)
     return y1, y2, end1, end2
 
 
@@ -283,8 +289,8 @@ def settle_pairs(
     """State of every pair after the cycles: fills forces and samples (n_pairs, 2, n), modes (n_pairs, n), the rest.
 
     ``samples`` are the forces with corrections, so that their sum is the integral (:func:`corrected_samples`).
-    ``starts`` (n_pairs, 2) is y, with which the last cycle starts, and in which pairs that have shaken down still touch
-    their limit; ``closures`` (n_pairs,) N is what the period changes.
+    ``starts`` (n_pairs, 4) is y, with which the last cycle starts, and in which pairs that have shaken down still touch
+    their limit, and the force with which that cycle ends; ``closures`` (n_pairs,) N is what the period changes.
     """
     for pair in range(limits.shape[0]):
         path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
@@ -299,8 +305,10 @@ def settle_pairs(
                 samples[pair, 0, j], samples[pair, 1, j], mode[j] = force[0, j], force[1, j], STICK
             states[pair], deviates[pair], closures[pair] = STICK, False, 0.0
             starts[pair, 0], starts[pair, 1] = path[0, 0] + mean1, path[1, 0] + mean2
+            starts[pair, 2], starts[pair, 3] = starts[pair, 0], starts[pair, 1]
             continue
         starts[pair, 0], starts[pair, 1], t1, t2 = settle(motion, force, mode)
+        starts[pair, 2], starts[pair, 3] = t1, t2
         corrected_samples(path, limit, t1, t2, force, mode, samples[pair])
         change1, change2 = force[0, 0] - t1, force[1, 0] - t2
         for j in range(n):  # sample 0 is that of the end

@@ -124,7 +124,7 @@ def _step_pairs(
         start, end, ratio1, ratio2 = limit[pair], limit_end[pair], ratios[pair, 0], ratios[pair, 1]
         new1, new2, code = advance(t1, t2, d1, d2, start, end, ratio1, ratio2, tractrix)
         new_traction[pair, 0], new_traction[pair, 1], codes[pair] = new1, new2, code
-        step_jacobian(code, t1, t2, d1, d2, start, end, new1, new2, ratio1, ratio2, tractrix, jacobian)
+        step_jacobian(code, t1, t2, d1, d2, start, end, ratio1, ratio2, tractrix, jacobian)
         for row in range(2):
             by_pull[pair, row, 0], by_pull[pair, row, 1] = jacobian[row, 2], jacobian[row, 3]
             by_limit[pair, row] = jacobian[row, 5]

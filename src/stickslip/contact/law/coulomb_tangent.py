@@ -13,7 +13,7 @@ from stickslip.contact.law.coulomb_kernel import (
     SLIP,
     STICK,
     Index,
-    advance,
+    elastic_step,
     slip_jacobian,
     stick_jacobian,
 )
@@ -98,21 +98,22 @@ def march_tangent(
     ``derivative`` (2, 3 * width + 2), width = 2 H + 1: by the coefficients of t1, t2, n and, last, by the two
     components of the start; the start's on entry, the end's on return. ``scale`` = (k1, k2), and ``limit_slope`` (n,)
     N/m is the derivative of the limit at a sample by the closing there.
-    ``coefficients`` (width, 2, 3 * width + 2) gathers its Fourier analysis, with the corrections of events.
+    ``coefficients`` (width, 2, 3 * width + 2) gathers its Fourier analysis, with the corrections of events; an empty
+    array (0, 2, 3 * width + 2) gathers nothing.
     """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
     n = limit.shape[0]
     columns, width = derivative.shape[1], coefficients.shape[0]
     # Samples that neither stick nor are open, for one matrix product at the end.
-    slip_derivatives = np.empty((n, 2, columns))
-    slip_weights = np.empty((n, width))
+    slip_derivatives = np.empty((n if width else 0, 2, columns))
+    slip_weights = np.empty((n if width else 0, width))
     count = 0
     jacobian, local = np.zeros((2, 6)), np.zeros((3, 6))
     anchor = np.int64(-1)
     for step in range(1, n + 1):
         i, j = np.int64(step - 1), np.int64(step % n)
         d1, d2 = path[0, step] - path[0, i], path[1, step] - path[1, i]
-        new1, new2, code = advance(t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix)
+        new1, new2, code = elastic_step(t1, t2, d1, d2, limit[i], limit[j])
         if code == STICK and limit[i] > 0.0:
             if anchor < 0:
                 anchor = i
@@ -121,14 +122,15 @@ def march_tangent(
                 gather_stick(basis, anchor, i, scale, derivative, coefficients)
                 anchor = np.int64(-1)
             if code == SLIP:
-                slip_jacobian(
-                    t1, t2, d1, d2, limit[i], limit[j], new1, new2, ratio1, ratio2, tractrix, jacobian
+                new1, new2 = slip_jacobian(
+                    t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix, jacobian
                 )  # fmt: skip
             elif code == STICK:
                 stick_jacobian(d1, d2, limit[i], limit[j], jacobian)
-            theta, c1, c2 = event_jacobian(t1, t2, d1, d2, limit[i], limit[j], new1, new2, code, jacobian, local)
-            if theta > 0.0:
-                gather_event(basis, i, j, theta, c1, c2, local, scale, limit_slope, derivative, coefficients)
+            if width:
+                theta, c1, c2 = event_jacobian(t1, t2, d1, d2, limit[i], limit[j], new1, new2, code, jacobian, local)
+                if theta > 0.0:
+                    gather_event(basis, i, j, theta, c1, c2, local, scale, limit_slope, derivative, coefficients)
             if code == OPEN:
                 if limit[i] > 0.0:
                     theta, c1, c2 = onset_before_lift_off_jacobian(t1, t2, d1, d2, limit[i], limit[j], local)
@@ -137,8 +139,9 @@ def march_tangent(
                 derivative[:] = 0.0
             else:
                 carry(basis, i, j, scale, limit_slope, jacobian, derivative)
-                store_sample(basis, j, derivative, slip_derivatives[count], slip_weights[count])
-                count += 1
+                if width:
+                    store_sample(basis, j, derivative, slip_derivatives[count], slip_weights[count])
+                    count += 1
         t1, t2 = new1, new2
     if anchor >= 0:
         gather_stick(basis, anchor, np.int64(0), scale, derivative, coefficients)
@@ -279,18 +282,20 @@ def pair_tangent(
 ) -> None:
     """Fill ``tangent`` (2, width, 3 * width): derivative of the tangential force coefficients after the cycles.
 
-    ``start`` (2,) is y of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion. The last cycle
-    starts with the force T(y, l) at a limit l and ends with P; with b the derivative of P by the motion at fixed T, and
-    Phi that by T, ``y = a + C (P - y)`` gives ``(I + C (I - Phi T_y)) dy = da + C (b + Phi T_l dl)``. The period after
-    it starts with P.
+    ``start`` (4,) is y and P of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion. The last
+    cycle starts with the force T(y, l) at a limit l and ends with P; with b the derivative of P by the motion at fixed
+    T, and Phi that by T, ``y = a + C (P - y)`` gives ``(I + C (I - Phi T_y)) dy = da + C (b + Phi T_l dl)``. The period
+    after it starts with P. Only if both are the same, the analysis of the last cycle is that of the period.
     """
     width = basis.synthesis.shape[1]
     columns = 3 * width + 2
     derivative = np.zeros((2, columns))
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
-    fourier = np.zeros((width, 2, columns))
+    creeps = math.hypot(start[2] - start[0], start[3] - start[1]) > SAME_CYCLE * math.hypot(start[2], start[3])
+    gathered = 0 if creeps else width
+    fourier = np.zeros((gathered, 2, columns))
     t1, t2 = start_force(motion, start[0], start[1])
-    t1, t2 = march_tangent(motion, t1, t2, basis, scale, limit_slope, derivative, fourier)
+    march_tangent(motion, t1, t2, basis, scale, limit_slope, derivative, fourier)
     r11, r12, r21, r22, l1, l2 = start_jacobian(motion, start[0], start[1])
     p11, p12 = derivative[0, columns - 2], derivative[0, columns - 1]
     p21, p22 = derivative[1, columns - 2], derivative[1, columns - 1]
@@ -303,7 +308,7 @@ def pair_tangent(
         share = 0.0 if released else 1.0 / CYCLES
         for row in range(2):
             derivative[row, c] *= share
-            for p in range(width):
+            for p in range(gathered):
                 fourier[p, row, c] *= share
     for c in range(columns - 2):
         b1, b2 = derivative[0, c], derivative[1, c]
@@ -320,11 +325,11 @@ def pair_tangent(
         y1, y2 = (j22 * y1 - j12 * y2) / determinant, (j11 * y2 - j21 * y1) / determinant
         ends[0, c], ends[1, c] = b1 + s11 * y1 + s12 * y2, b2 + s21 * y1 + s22 * y2
         for row in range(2):
-            for p in range(width):
+            for p in range(gathered):
                 by1, by2 = fourier[p, row, columns - 2], fourier[p, row, columns - 1]
                 tangent[row, p, c] = fourier[p, row, c] + by1 * ends[0, c] + by2 * ends[1, c]
-    if math.hypot(t1 - start[0], t2 - start[1]) > SAME_CYCLE * math.hypot(t1, t2):
-        creeping_tangent(motion, t1, t2, basis, scale, limit_slope, released, ends, tangent)
+    if creeps:
+        creeping_tangent(motion, start[2], start[3], basis, scale, limit_slope, released, ends, tangent)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
