@@ -219,7 +219,7 @@ def picture(rows: list[Row]) -> Figure:
 
 def main(out: Path) -> None:
     """Print the tables and write the picture."""
-    for group in ("fit", "test", "wide"):
+    for group in ("fit", "test", "wide", "again"):
         rows, lost = read(group)
         print(f"\n{group}: {len(rows)} cases; left out: {lost}\n")
         print("\n".join([*table(rows), "", *parts(rows)]))
