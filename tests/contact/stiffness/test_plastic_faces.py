@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from helpers import matched
+from helpers import benchmark_module, matched
 from rough_faces import HARDNESS, MINDLIN, NOMINAL_AREA, REDUCED_MODULUS, pair_stiffness, rough
 from sentences import printed_sentence
 from stickslip.contact.stiffness.asperities import fully_plastic_load
@@ -55,6 +55,20 @@ def test_all_spots_together_are_never_softer_than_the_bound(load: float) -> None
     """Unloading sums 2 E* a of each spot; one spot of the same area has the least sum."""
     face = rough(2.3, shortest_length=1e-6)
     assert fractal_contact(face, load, "unloading") == published_contact(face, load, "unloading")
+
+
+def test_no_contact_of_boundary_elements_is_softer_than_one_round_spot_of_its_area() -> None:
+    """256 resolved contacts of rough faces, elastic and plastic: 2 E* sqrt(A_r / pi) over their stiffness."""
+    laws = benchmark_module("laws_against_boundary_elements")
+    rows = [row for group in ("fit", "test", "wide", "again") for row in laws.read(group)[0]]
+    area = np.array([laws.area_of(row) for row in rows])
+    fraction, modulus, stiffness = (
+        np.array([row[key] for row in rows]) for key in ("contact_fraction", "modulus", "normal")
+    )
+    bound = 2.0 * modulus * np.sqrt(fraction * area / pi) / (stiffness * area)
+    assert len(rows) == 256
+    assert bound.max() <= 1.0
+    assert bound.max() > 0.99
 
 
 def test_a_face_without_load_has_no_stiffness() -> None:

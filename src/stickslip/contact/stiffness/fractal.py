@@ -121,7 +121,7 @@ def fractal_contact(
     message = (
         f"Few elastic spots: those that the mode {mode} counts give {found.normal:.3g} N/m, so the stiffness is the "
         f"least of a contact with this real area, {least:.3g} N/m: plastic spots respond to a small oscillation too. "
-        'law = "persson" and mode = "unloading" compute their part from the waves.'
+        'law = "persson" computes their part from the waves.'
     )
     is_plastic = found.status is ContactStatus.FULLY_PLASTIC
     return replace(
