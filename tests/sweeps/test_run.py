@@ -223,7 +223,10 @@ def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: Swept, t
 
 @pytest.mark.slow
 def test_cases_that_fail_are_rows_and_the_others_continue(swept: Swept, tmp_path: Path) -> None:
-    vary = {"roughness.fractal_dimension": [2.4, 2.001], "geometry.damper_length": ["28 mm", "40 mm"]}
+    vary: dict[str, list[float | int | str]] = {
+        "roughness.fractal_dimension": [2.4, 2.001],
+        "geometry.damper_length": ["28 mm", "40 mm"],
+    }
     case = quick_case().replace({"preload.centrifugal_force": 450})
     result = ss.sweep(case, vary, out=tmp_path, workers=1)
     good, long, rough, both = result.table.rows

@@ -147,8 +147,8 @@ def published_contact(
     K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
     Derivation and sources: docs/theory_roughness.md, sections 2 to 4.
 
-    A pressed face whose spots are all plastic has zero stiffness in the first two modes: this describes the equations
-    of the paper and is not the stiffness of a contact. Raises InputError for values that are not usable.
+    A pressed face whose spots are all plastic has zero stiffness in the first two modes: this is what the published
+    equations say, not the stiffness of a contact. Raises InputError for values that are not usable.
     """
     require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
