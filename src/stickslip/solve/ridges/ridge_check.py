@@ -5,11 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
+from stickslip.core.errors import ConvergenceError
 from stickslip.results.checked_peak import CheckedPeak
+from stickslip.results.peaks import peaks
 from stickslip.solve.harmonic.peak import CurvePeak
 from stickslip.solve.ridges.ridge_map import RidgeMap
-from stickslip.solve.ridges.ridge_stage import RidgeStage
+from stickslip.solve.ridges.ridge_stage import RidgeStage, more_than
 
+# chosen: peaks with at least this fraction of the highest one could be the highest; estimates of errors are smaller.
+NEAR_HIGHEST = 0.8
 # chosen: most harmonics of a check. A peak that needs more has an error that the check reports.
 MOST_HARMONICS = 9
 # chosen: a minimum moves when a whole curve shows a peak that no ridge had; so many curves follow it.
@@ -24,8 +30,8 @@ def checked_minimum(
     """The highest peak at the lowest minimum with slip: why it is not known, None without such a minimum.
 
     A whole curve at the minimum shows peaks that no ridge has. They are followed, and the next curve is at the minimum
-    that remains. The highest peak has more harmonics, until its estimated error is below the ``accuracy`` or
-    ``MOST_HARMONICS`` are reached, and so have peaks that could be as high. Raises InputError.
+    that remains. A last curve there has more harmonics than the ridges, and its highest peak even more, until its
+    estimated error is below the ``accuracy`` or ``MOST_HARMONICS`` are reached. Raises InputError.
     """
     value = None
     for _ in range(MOST_CURVES):
@@ -41,7 +47,12 @@ def checked_minimum(
     minimum = _minimum(ridges)
     if minimum is None or value is None or abs(math.log(minimum / value)) >= SAME_PLACE:
         return f"it moved with each of {MOST_CURVES} whole curves."
-    best, error = highest_of(stage_at(value), _peaks_at(ridges, value), accuracy)
+    stage = stage_at(value)
+    stage = stage.with_harmonics(more_than(ridges.harmonics_near(value, stage.harmonics)))
+    found = _peaks_of_curve(stage, ridges.curve_window(value))
+    if isinstance(found, str):
+        return found
+    best, error = highest_of(stage, found, accuracy)
     return CheckedPeak(value, best.amplitude, best.omega / (2.0 * math.pi), error, best.harmonics)
 
 
@@ -51,18 +62,36 @@ def _minimum(ridges: RidgeMap) -> float | None:
     return None if minimum is None else minimum.parameter
 
 
-def _peaks_at(ridges: RidgeMap, value: float) -> list[CurvePeak]:
-    """The peaks at a value of a whole curve, which are points of ridges."""
-    return [each.peak for ridge in ridges.ridges for each in ridge.points if each.parameter == value]
+def _peaks_of_curve(stage: RidgeStage, window: tuple[float, float]) -> list[CurvePeak] | str:
+    """The peaks of a whole curve that could be its highest with more harmonics, or why they are not known."""
+    try:
+        branch = stage.whole_curve(window)
+    except ConvergenceError as failure:
+        return str(failure)
+    if not branch.complete:
+        return f"its frequency curve is not complete. {branch.message}"
+    points = [each.point for each in branch.points]
+    hertz = np.array([point.trial.omega for point in points]) / (2.0 * math.pi)
+    tops = peaks(hertz, stage.amplitude(points))
+    if not tops[0].bracketed:
+        return f"its largest amplitude is at an end of the frequency range, {tops[0].frequency_hz:.2f} Hz."
+    found = []
+    for top in tops:
+        if top.bracketed and top.amplitude >= NEAR_HIGHEST * tops[0].amplitude:
+            peak = stage.search.from_point(points[top.point])
+            if isinstance(peak, str):
+                return f"its peak at {top.frequency_hz:.2f} Hz was not found: {peak}."
+            found.append(peak)
+    return found
 
 
-def highest_of(stage: RidgeStage, peaks: Sequence[CurvePeak], accuracy: float) -> tuple[CurvePeak, float]:
+def highest_of(stage: RidgeStage, candidates: Sequence[CurvePeak], accuracy: float) -> tuple[CurvePeak, float]:
     """The highest of some peaks, and its estimated error, with that of others which could be as high.
 
     The highest peak has more harmonics, and so has each other one whose error does not rule it out.
     """
     known: list[tuple[CurvePeak, float]] = []
-    for peak in sorted(peaks, key=lambda each: -each.amplitude):
+    for peak in sorted(candidates, key=lambda each: -each.amplitude):
         own = stage.with_harmonics(peak.harmonics)
         highest = max((other.amplitude for other, _ in known), default=0.0)
         if peak.amplitude * (1.0 + own.estimated_error(peak)) > highest:
