@@ -12,6 +12,7 @@ from helpers import Blade
 from sentences import printed_sentence
 from stickslip.results.checked_peak import CheckedPeak
 from stickslip.solve.harmonic.peak import CurvePeak
+from stickslip.solve.ridges import ridge_check
 from stickslip.solve.ridges.ridge_check import MOST_HARMONICS, checked_minimum, highest_of
 from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
@@ -78,6 +79,8 @@ class Named(NamedTuple):
 class Stage:
     """Stand-in equations: estimated errors by amplitude; more harmonics give the amplitude in ``fine``."""
 
+    harmonics = 3
+
     def __init__(self, errors: dict[float, float], fine: dict[float, float]) -> None:
         self.errors, self.fine = errors, fine
 
@@ -110,10 +113,11 @@ class Map:
         self.places, self.curves, self._seen = places, [], seen  # type: ignore[var-annotated]
         self.verified: set[float] = set()
 
-    @property
-    def ridges(self) -> list[SimpleNamespace]:
-        points = [SimpleNamespace(parameter=each, peak=PEAK) for each in self.curves]
-        return [SimpleNamespace(points=points)]
+    def harmonics_near(self, value: float, least: int) -> int:
+        return least
+
+    def curve_window(self, value: float) -> tuple[float, float]:
+        return 1.0, 2.0
 
     def result(self, *names: str) -> SimpleNamespace:
         place = self.places[min(len(self.curves), len(self.places) - 1)]
@@ -132,7 +136,8 @@ def checked(ridges: Map) -> CheckedPeak | str | None:
     return checked_minimum(ridges, lambda value: Stage({2.0: 0.001}, {}), 0.01)  # type: ignore[arg-type, return-value]
 
 
-def test_a_whole_curve_follows_a_minimum_that_moves() -> None:
+def test_a_whole_curve_follows_a_minimum_that_moves(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ridge_check, "_peaks_of_curve", lambda stage, window: [PEAK])
     ridges = Map([1.0, 2.0, 2.005])
     found = checked(ridges)
     assert ridges.curves == [1.0, 2.0]
