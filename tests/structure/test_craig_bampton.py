@@ -14,7 +14,7 @@ from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.structure import cache
-from stickslip.structure import craig_bampton as craig_bampton_module
+from stickslip.structure import reduced_matrices as reduced_matrices_module
 from stickslip.structure.craig_bampton import craig_bampton, reduction_table
 from stickslip.structure.elasticity import Material, Structure, assemble_bodies, natural_frequencies
 from stickslip.structure.mesh import Mesh
@@ -82,13 +82,13 @@ def test_a_large_boundary_reduced_by_blocks_gives_the_same_matrices(
     matrices = stiffness, mass, 1e-3 * stiffness + 2.0 * mass
 
     def reduced() -> Any:
-        return craig_bampton_module.reduced_matrices(
+        return reduced_matrices_module.reduced_matrices(
             matrices, held_block.node, boundary, interior, n_modes, "superlu", threads, print, (skew - skew.T).tocsr()
         )
 
     whole = reduced()
-    monkeypatch.setattr(craig_bampton_module, "LARGE_BOUNDARY", 1)
-    monkeypatch.setattr(craig_bampton_module, "BLOCK", 4)
+    monkeypatch.setattr(reduced_matrices_module, "LARGE_BOUNDARY", 1)
+    monkeypatch.setattr(reduced_matrices_module, "BLOCK", 4)
     blocks = reduced()
     for name in ("mass", "stiffness", "damping", "gyroscopic", "modes"):
         expected = getattr(whole, name)

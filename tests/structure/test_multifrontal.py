@@ -12,8 +12,7 @@ import scipy.sparse
 from sentences import rejects
 from stickslip.core.errors import InputError, SingularMatrixError
 from stickslip.core.validation import FloatArray
-from stickslip.structure import craig_bampton as craig_bampton_module
-from stickslip.structure import dissection, multifrontal
+from stickslip.structure import dissection, front_reduction, multifrontal
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.dissection import nested_dissection
 from stickslip.structure.elasticity import Material, Structure, assemble
@@ -94,7 +93,7 @@ def test_craig_bampton_of_a_large_boundary_gives_the_same_superelement(
     held_block: Structure, small_fronts: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     usual = craig_bampton(held_block, BOUNDARY, 6)
-    monkeypatch.setattr(craig_bampton_module, "LARGE_BOUNDARY", 1)
+    monkeypatch.setattr(front_reduction, "LARGE_BOUNDARY", 1)
     fronts = craig_bampton(held_block, BOUNDARY, 6)
     assert fronts.recovery._factor._solve.__self__.__class__ is TriangularFactor
     signs = np.sign((usual.recovery.modes * fronts.recovery.modes).sum(axis=0))
@@ -108,7 +107,7 @@ def test_craig_bampton_of_a_large_boundary_gives_the_same_superelement(
 
 
 def test_a_body_without_support_is_named(make_block: Callable[..., Mesh], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(craig_bampton_module, "LARGE_BOUNDARY", 1)
+    monkeypatch.setattr(front_reduction, "LARGE_BOUNDARY", 1)
     block = assemble(make_block((2, 2, 2), (1.0, 1.0, 1.0)), Material(), fixed_nodes=[])
     with rejects(InputError):
         craig_bampton(block, [0], 2)

@@ -13,7 +13,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
 from stickslip.structure.constraints import Constraints
-from stickslip.structure.craig_bampton import ReducedMatrices, checked_boundary, reduced_matrices
+from stickslip.structure.craig_bampton import checked_boundary
 from stickslip.structure.cyclic_sector import (
     SYMMETRIC,
     CyclicSector,
@@ -29,6 +29,7 @@ from stickslip.structure.factor import Backend, factorize
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.phase_lag import LaggedModel
 from stickslip.structure.recovery import FullModel
+from stickslip.structure.reduced_matrices import ReducedMatrices, reduced_matrices
 from stickslip.structure.sector_boundaries import require_mesh_of
 from stickslip.structure.whirling import whirling_frequencies
 

@@ -9,10 +9,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from stickslip.structure.craig_bampton import BLOCK
 from stickslip.structure.elasticity import natural_frequencies
 from stickslip.structure.factor import Backend, Factor, factorize
 from stickslip.structure.mesh import IntArray
+from stickslip.structure.reduced_matrices import BLOCK
 
 Matrix = NDArray[Any]  # real or complex
 # chosen: a change of the constraint modes with the speed is in the basis if its energy is above this fraction of the

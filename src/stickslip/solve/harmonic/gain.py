@@ -63,6 +63,12 @@ def times_gain(gain: ComplexArray, coefficients: FloatArray) -> FloatArray:
     return answer
 
 
+def adjoint_gain(gain: ComplexArray) -> ComplexArray:
+    """The gains (H, m), or gain matrices (H, m, m), of the adjoint, which is the transpose for real
+    coefficients."""
+    return np.asarray(gain.conj().swapaxes(-1, -2) if gain.ndim == 3 else gain.conj())
+
+
 def with_gain(gain: ComplexArray, left: FloatArray, right: FloatArray) -> ComplexArray:
     """``left G right^T`` (m, k) of modes (m, p) and (k, p), for the gains (p,) or the gain matrix (p, p) of a
     harmonic."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.gain import ComplexArray, times_gain, with_gain
+from stickslip.solve.harmonic.gain import ComplexArray, adjoint_gain, times_gain, with_gain
 from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
 from stickslip.solve.harmonic.row_products import row_products
 
@@ -87,9 +87,7 @@ class NewtonCompliance:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
         answer = np.empty((weights.shape[0], self.far.shape[0]))
         answer[0] = self.mean @ weights[0]
-        near = times_gain(
-            self.gain.conj().swapaxes(-1, -2) if self.gain.ndim == 3 else self.gain.conj(), weights[1:] @ self.left
-        )
+        near = times_gain(adjoint_gain(self.gain), weights[1:] @ self.left)
         answer[1:] = weights[1:] @ self.far.T + near @ self.right.T
         return answer
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.gain import ComplexArray, times_gain, with_gain
+from stickslip.solve.harmonic.gain import ComplexArray, adjoint_gain, times_gain, with_gain
 from stickslip.solve.harmonic.row_products import row_products
 
 SingleArray = NDArray[np.float32]
@@ -45,8 +45,7 @@ class LargeNewtonCompliance:
 
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
-        gain = self.gain.conj()
-        near = times_gain(gain.swapaxes(-1, -2) if gain.ndim == 3 else gain, weights[1:] @ self.left)
+        near = times_gain(adjoint_gain(self.gain), weights[1:] @ self.left)
         far = weights[1:].astype(np.float32) @ self.far_rows
         return np.vstack([weights[:1] @ self.mean_rows, far + near @ self.right.T])
 
