@@ -116,8 +116,25 @@ def test_almost_no_damping_has_a_warning() -> None:
 
 @ends_early
 def test_a_normal_load_that_can_vary_makes_it_a_warning() -> None:
-    response = solve(1.5 * HOLDS, operator=[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]], continuation=FEW_POINTS)
+    """Friction also drives the second mass, which presses the pair."""
+    response = solve(1.5 * HOLDS, operator=[[1.0, 0.1], [0.0, 0.0], [0.0, 1.0]], continuation=FEW_POINTS)
     printed_sentence("\n".join(response.warnings), f"{HOLDS:.4g} N")
+
+
+def test_a_normal_load_that_nothing_can_change_makes_it_an_error() -> None:
+    """A second mass presses the pair, but neither the excitation nor friction moves it; 6.9 km were computed."""
+    with rejects(ss.InputError, "modal_damping_ratio"):
+        solve(1.5 * HOLDS, operator=[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
+
+
+def test_a_structure_far_stiffer_than_the_range_has_a_curve() -> None:
+    """No mode is near the range: the displacement is that of the static force less the friction of a sliding pair."""
+    stiffness, force = 1e6, 5.0 * MU * LOAD
+    structure = ss.Superelement(1e-6 * np.eye(2), stiffness * np.eye(2), np.eye(2))
+    pairs = ss.ContactPairs(np.array(SLIDES), STIFF, STIFF, MU, LOAD)
+    response = ss.forced_response(structure, pairs, [force, 0.0], frequency_hz=(10.0, 40.0), harmonics=9, threads=1)
+    assert response.converged, response.message
+    np.testing.assert_allclose(response.amplitude(ROW), (force - MU * LOAD) / stiffness, rtol=0.02)
 
 
 @pytest.mark.slow

@@ -170,7 +170,7 @@ class LinearLimit:
     def moved_by(self, force: ExcitationForce) -> NDArray[np.bool_]:
         """(H, n) whether a harmonic of the force moves a mode (of ``resonant``), beyond round-off."""
         shares = np.abs(sum(np.abs(array[1:] @ self.resonant.shapes) for _, array in force.terms))
-        return np.asarray(np.maximum(shares[0::2], shares[1::2]) > LEAST_SHARE * shares.max())
+        return np.asarray(np.maximum(shares[0::2], shares[1::2]) > LEAST_SHARE * shares.max(initial=0.0))
 
     def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
         """Largest modal damping ratio of the modes inside a window; None without modes there."""

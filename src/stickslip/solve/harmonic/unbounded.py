@@ -133,6 +133,7 @@ def _undamped_modes(
         excitation, grip = _force_in(force, shape, order, omega / order), grip_of(pairs, shape)
         if grip.opens or excitation <= grip.friction:
             continue
+        load_varies = grip.load_varies and _normal_loads_vary(free, pairs, force)
         hertz = omega / order / (2.0 * math.pi)
         name = f"Mode {mode + 1} of the structure without contact ({omega / (2.0 * math.pi):.3f} Hz"
         name += ")" if order == 1 else f", excited by harmonic {order} at {hertz:.3f} Hz)"
@@ -145,7 +146,7 @@ def _undamped_modes(
                 f"{name} has a damping ratio of only {_ratio(free, mode):.1e}: {forces}. Its peak is about "
                 f"{height:.3g} m high; {advice}."
             )
-        elif grip.friction > 0.0 and grip.load_varies:
+        elif grip.friction > 0.0 and load_varies:
             sentences.append(
                 f"{name} has no damping: {forces} at the normal loads at rest. Unless these grow, nothing bounds the "
                 f"amplitude there: {advice}."
@@ -157,6 +158,22 @@ def _undamped_modes(
                 arguments=["modal_damping_ratio"],
             )
     return sentences
+
+
+def _normal_loads_vary(free: LinearLimit, pairs: ContactPairs, force: ExcitationForce) -> bool:
+    """Whether the excitation or a tangential contact force can move a pair along its normal.
+
+    Without that, every normal load remains that at rest. A mode that presses contacts and that nothing excites changes
+    none, so each mode is examined by itself.
+    """
+    rows = pairs.operator.reshape(pairs.n_pairs, 3, -1)
+    tangential = rows[:, :2].reshape(2 * pairs.n_pairs, -1) @ free.modes
+    excited = np.vstack([np.abs(tangential), *(np.abs(array @ free.modes) for _, array in force.terms)])
+    excited /= np.maximum(excited.max(axis=1, keepdims=True), np.finfo(float).tiny)
+    presses = np.abs(rows[:, 2] @ free.modes)
+    presses /= max(float(presses.max(initial=0.0)), np.finfo(float).tiny)
+    both = excited.max(axis=0, initial=0.0) * presses.max(axis=0, initial=0.0)
+    return bool((both > NO_MOTION).any())
 
 
 def _modes_that_only_press(
