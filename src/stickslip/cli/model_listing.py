@@ -133,10 +133,10 @@ def _messages(model: ImportedModel, units_known: bool) -> Iterator[str]:
     if units_known:
         yield f"Units: lengths in {model.length_unit}, materials and forces in the system {model.unit_system}."
     tied = None if model.equations is None else eliminate(model.equations, model.fixed_unknowns)
-    supported, held = model.fixed_unknowns, None
+    supported, spring_constraints = model.fixed_unknowns, None
     if model.attachments is not None:
-        supported, held = model.attachments.supports(supported, tied)
-    for number, group in enumerate(supported_groups(mesh, supported, tied, held), start=1):
+        supported, spring_constraints = model.attachments.supports(supported, tied)
+    for number, group in enumerate(supported_groups(mesh, supported, tied, spring_constraints), start=1):
         bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[group.cells]))
         for part in group.parts:
             if part.is_hinged:

@@ -93,14 +93,14 @@ def speed_messages(speed: float, loads_follow: bool, coriolis: bool = False, rem
 
 
 def free_body_messages(
-    mesh: Mesh, fixed: IntArray, constraints: Constraints | None = None, held: Any = None
+    mesh: Mesh, fixed: IntArray, constraints: Constraints | None = None, spring_constraints: Any = None
 ) -> Iterator[str]:
     """Bodies that only contact supports: the speed does not change their stiffness.
 
-    ``fixed`` are constrained indices among the 3 * n_nodes displacements, ``held`` csr rows of motions that springs at
-    reference nodes constrain.
+    ``fixed`` are constrained indices among the 3 * n_nodes displacements, ``spring_constraints`` csr rows
+    of motions that springs at reference nodes constrain.
     """
-    cells = [group.cells for group in supported_groups(mesh, fixed, constraints, held) if group.free]
+    cells = [group.cells for group in supported_groups(mesh, fixed, constraints, spring_constraints) if group.free]
     if cells:
         bodies = np.unique(mesh.body[np.concatenate(cells)])
         names = ", ".join(mesh.body_names[body] for body in bodies)

@@ -1,7 +1,7 @@
 """A frequency curve in pieces: where the branch is lost it begins again beyond, and time integration tells why.
 
 Friction bodies that rattle have no motion with the period of the force at some frequencies, and near them corners and
-folds that no step passes. The curve then goes on at the next frequency at which a solution exists.
+folds that no step passes. The curve then continues at the next frequency at which a solution exists.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Pieces(Generic[BalancePointT]):
     settling:
         finds solutions away from the curve, and counts the work, at whose limit the curve ends.
     varies:
-        whether ``part`` may begin with any number of harmonics: the curve then goes on once from a motion to which a
+        whether ``part`` may begin with any number of harmonics: the curve then continues once from a motion to which a
         time integration settled and that more harmonics give.
 
     Attributes

@@ -17,8 +17,8 @@ from stickslip.solve.setting_up import CurveBalances
 # chosen: the motion is looked for with so many times the harmonics, if the equations have no more rows than this; a
 # solution farther from it than this fraction is another motion.
 MORE_HARMONICS, MOST_ROWS, SAME = (1, 2, 4, 8), 12_000, 0.05
-# chosen: a thorough search goes on to these multiples, with so many samples for each harmonic, and iterates longer, if
-# the equations have no more rows than this. Contact that opens and is a thousand times stiffer than the structure
+# chosen: a thorough search continues to these multiples, with so many samples for each harmonic, and iterates longer,
+# if the equations have no more rows than this. Contact that opens and is a thousand times stiffer than the structure
 # (stiff 0 of the torture set) requires 25 iterations, and 48 harmonics for 6 %, 96 for 1.6 %.
 MANY_HARMONICS, SAMPLES_OF_MANY, MANY_ITERATIONS, MANY_ROWS = (16, 32), 8, 40, 3_000
 

@@ -58,9 +58,9 @@ class Attachments:
     def supports(self, fixed_unknowns: IntArray, constraints: Constraints | None) -> tuple[IntArray, Any]:
         """Displacements of the mesh that constraints or springs support, and csr (k, size) rows of the further unknowns
         with a spring to the ground, None without any."""
-        held = np.unique(self.springs[self.springs[:, 1] < 0, 0])
-        supported = np.union1d(fixed_unknowns, held[held < self.size]).astype(np.int64)
-        of_references = held[held >= self.size] - self.size
+        constrained = np.unique(self.springs[self.springs[:, 1] < 0, 0])
+        supported = np.union1d(fixed_unknowns, constrained[constrained < self.size]).astype(np.int64)
+        of_references = constrained[constrained >= self.size] - self.size
         if constraints is None or not of_references.size:
             return supported, None
         return supported, self.further_rows(constraints)[of_references]

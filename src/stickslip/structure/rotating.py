@@ -303,9 +303,9 @@ def _static_motion(
             arguments=["structure"],
         )
     # A spring to the ground on the bodies that move freely: the others are not connected to them.
-    held = np.zeros(load.size)
-    held[free] = structure.stiffness.diagonal().max()
-    regular = replace(structure, stiffness=(structure.stiffness + scipy.sparse.diags(held)).tocsr())
+    restraint = np.zeros(load.size)
+    restraint[free] = structure.stiffness.diagonal().max()
+    regular = replace(structure, stiffness=(structure.stiffness + scipy.sparse.diags(restraint)).tocsr())
     without = load.copy()
     without[free] = 0.0
     if symmetry is None:

@@ -36,14 +36,15 @@ class SupportedGroup:
 
 
 def supported_groups(
-    mesh: Mesh, fixed_unknowns: IntArray, constraints: Constraints | None = None, held: Any = None
+    mesh: Mesh, fixed_unknowns: IntArray, constraints: Constraints | None = None, spring_constraints: Any = None
 ) -> tuple[SupportedGroup, ...]:
     """Groups of parts with constraints at indices among the 3 * n_nodes displacements, and with ties.
 
-    ``held``: csr (k, 3 * n_nodes) rows of further motions that are constrained, those of springs at reference nodes.
+    ``spring_constraints``: csr (k, 3 * n_nodes) rows of further motions that are constrained, those of springs at
+    reference nodes.
     """
     parts = part_motions(mesh, fixed_unknowns)
-    if constraints is None or (held is None and not constraints.dependent_unknowns.size):
+    if constraints is None or (spring_constraints is None and not constraints.dependent_unknowns.size):
         return tuple(SupportedGroup((part,), part.cells, part.rigid) for part in parts)
     owner = np.empty(mesh.n_nodes, dtype=np.int64)
     for number, part in enumerate(parts):
@@ -55,8 +56,8 @@ def supported_groups(
         (np.ones(len(chosen)), (np.arange(len(chosen)), chosen)), shape=(len(chosen), 3 * mesh.n_nodes)
     )
     rows = (unit - constraints.rows(chosen)).tocsr()
-    if held is not None:
-        rows = scipy.sparse.vstack([rows, held]).tocsr()
+    if spring_constraints is not None:
+        rows = scipy.sparse.vstack([rows, spring_constraints]).tocsr()
     group = _groups(rows, owner, len(parts))
     centre = np.array([mesh.points[owner == number].mean(axis=0) for number in range(len(parts))])
     size = np.array([float(np.ptp(mesh.points[owner == number], axis=0).max()) for number in range(len(parts))])

@@ -16,7 +16,7 @@ from stickslip.results.measures import hertz
 from stickslip.solve.ridges.slip_onset import NEARLY_ALL, SlipOnset, slip_onset
 from stickslip.study.assembled import Assembled
 
-# chosen: the range goes on by this fraction of the frequency beyond both linear peaks.
+# chosen: the range continues by this fraction of the frequency beyond both linear peaks.
 BEYOND_PEAKS = 0.08
 # chosen: the same fraction below the stuck peak where no free peak bounds how far slip lowers it.
 BELOW_LOOSE = 0.25

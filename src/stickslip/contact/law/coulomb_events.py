@@ -18,7 +18,7 @@ from stickslip.contact.law.coulomb_kernel import SLIP, CodeArray, slip_onset
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
-# Onsets before this fraction of a step belong to slip that goes on: round-off of a force on its limit.
+# Onsets before this fraction of a step belong to slip that continues: round-off of a force on its limit.
 LEAST_ONSET = 1e-9
 
 

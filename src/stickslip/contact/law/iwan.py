@@ -202,7 +202,7 @@ class IwanJoint(RestingNormalForce, HystereticLaw):
         moving = np.ptp(paths, axis=2) > 0.0
         if self.path_to_rest is not None:
             follow_from_rest(*self._from_path(slice(None), paths), nothing, force, np.empty((*paths.shape, 0)))
-            # Also a shift of the mean leaves the springs: the joint goes on along its backbone.
+            # Also a shift of the mean leaves the springs: the joint continues along its backbone.
             return force, (paths != 0.0).any(axis=2), moving, np.asarray(energy.sum(axis=1))
         return force, moving, moving, np.asarray(energy.sum(axis=1))
 

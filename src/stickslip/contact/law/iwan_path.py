@@ -1,9 +1,9 @@
 """The Iwan joint along a path from its state without force: turning points that wait, and Masing's rules.
 
 A motion loads along the backbone F. After it turned at ``x_r`` the force is ``F_r -+ 2 F(|x - x_r| / 2)``. A branch
-that passes the turning point before its own closes that loop, and the branch that it interrupted goes on; a branch that
-reaches ``-x_0`` of the first turning point is on the backbone again. Displacements here count from the state without
-force. The rules are exact for the continuous distribution of elements; nothing is discretised.
+that passes the turning point before its own closes that loop, and the branch that it interrupted continues; a branch
+that reaches ``-x_0`` of the first turning point is on the backbone again. Displacements here count from the state
+without force. The rules are exact for the continuous distribution of elements; nothing is discretised.
 """
 
 from __future__ import annotations

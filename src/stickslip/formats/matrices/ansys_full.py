@@ -23,8 +23,8 @@ import numpy
 from ansys.mapdl.reader.full import FullFile
 file = FullFile(sys.argv[1])
 unknowns, stiffness, mass = file.load_km(sort=False)
-held = set(map(tuple, file.const.tolist()))  # the reader empties their rows
-free = [row for row, unknown in enumerate(unknowns.tolist()) if tuple(unknown) not in held]
+constrained = set(map(tuple, file.const.tolist()))  # the reader empties their rows
+free = [row for row, unknown in enumerate(unknowns.tolist()) if tuple(unknown) not in constrained]
 arrays = {"unknowns": unknowns[free]}
 for name, matrix in (("stiffness", stiffness), ("mass", mass)):
     entries = matrix[free][:, free].tocoo()

@@ -262,7 +262,7 @@ def _layout(
     mesh, names, pairings = source.mesh, tuple(named), tuple(named.values())
     fixed, constraints = constrained
     pairs = FacePairs.concatenate([each.pairs for each in pairings])
-    points, held, supported = source.attachments, None, fixed
+    points, spring_constraints, supported = source.attachments, None, fixed
     masses = None if points is None else points.masses
     base_inertia = None
     if case.base_motion is not None:
@@ -275,12 +275,12 @@ def _layout(
         base_inertia = translation_inertia(mesh, materials, masses)
         base_inertia += 0.0 if points is None else points.translation_inertia(constraints)
     if points is not None:
-        supported, held = points.supports(fixed, constraints)
-    require_support(mesh, pairs.nodes, supported, constraints, source, held)
+        supported, spring_constraints = points.supports(fixed, constraints)
+    require_support(mesh, pairs.nodes, supported, constraints, source, spring_constraints)
     require_free(named, node_groups, fixed, source)
     messages = (
         *source.doubts,
-        *(() if case.rotation is None else free_body_messages(mesh, supported, constraints, held)),
+        *(() if case.rotation is None else free_body_messages(mesh, supported, constraints, spring_constraints)),
         *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
     )
     return Layout(

@@ -19,13 +19,13 @@ def require_support(
     fixed: IntArray,
     constraints: Constraints | None,
     source: ImportedModel,
-    held: Any = None,
+    spring_constraints: Any = None,
 ) -> None:
     """Raise InputError for a part that no constraint, spring or contact supports, and for a part with a hinge.
 
-    ``held``: csr rows of motions that springs at reference nodes constrain.
+    ``spring_constraints``: csr rows of motions that springs at reference nodes constrain.
     """
-    for group in supported_groups(mesh, fixed, constraints, held):
+    for group in supported_groups(mesh, fixed, constraints, spring_constraints):
         for part in group.parts:
             if part.is_hinged:
                 raise InputError(

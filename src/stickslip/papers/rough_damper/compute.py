@@ -1,4 +1,4 @@
-"""Runs the computations of the plan in a few processes; each finished one is a file, so a stopped run goes on."""
+"""Runs the computations of the plan in a few processes; each finished one is a file, so a stopped run continues."""
 
 from __future__ import annotations
 

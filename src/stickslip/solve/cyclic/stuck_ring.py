@@ -138,9 +138,9 @@ def stuck_ring(
         pairs = [each.retaining() for each in pairs]
         first = pairs[0]
     mean, restraint = mean_factor(on_mean[0], pairs_on_mean(first))
-    held = ~first.undetermined() + restraint * restrained(first)
+    closed = ~first.undetermined() + restraint * restrained(first)
     waves = [
-        _wave(sector, number, first.operator, springs, springs * held.ravel(), blade.in_wave(number, count), output)
+        _wave(sector, number, first.operator, springs, springs * closed.ravel(), blade.in_wave(number, count), output)
         for number in range(count)
     ]
     frequency, modes, contact, alone, row = (np.array([each[place] for each in waves]) for place in range(5))

@@ -108,7 +108,7 @@ def neighbour_warnings(
     retreats_hz: Sequence[float], corners_hz: Sequence[float], crossings: Sequence[Crossing]
 ) -> tuple[str, ...]:
     """Warnings where the branch came onto other solutions close by, where it passed corners, and where it was lost and
-    goes on close beyond (rad/s)."""
+    continues close beyond (rad/s)."""
     sentences = [_crossing_words(crossings)] if crossings else []
     if retreats_hz:
         sentences.append(

@@ -84,12 +84,16 @@ def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[Static
     A body that only friction supports has ``MEAN_RESTRAINT`` on the mean, also with residual tractions, which vanish
     when all its pairs slip; pairs that may walk need none. Raises InputError if the structure stays singular.
     """
-    springs, undetermined, held = pairs.resting_stiffness().reshape(-1, 3), pairs.undetermined(), restrained(pairs)
+    springs, undetermined, restricted = (
+        pairs.resting_stiffness().reshape(-1, 3),
+        pairs.undetermined(),
+        restrained(pairs),
+    )
     without_friction = _without_friction(superelement, pairs)
-    restraint = MEAN_RESTRAINT if without_friction is None and held.any() else 0.0
+    restraint = MEAN_RESTRAINT if without_friction is None and restricted.any() else 0.0
     if without_friction is not None and (undetermined == pairs.frictional()).all():
         return without_friction, restraint
-    return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * held)), restraint
+    return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * restricted)), restraint
 
 
 def _without_friction(superelement: Superelement, pairs: ContactPairs) -> StaticFactor | None:

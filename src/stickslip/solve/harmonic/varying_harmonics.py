@@ -2,7 +2,7 @@
 
 The curve is followed in pieces of one number of harmonics. Each new point has an estimate of its error
 (:mod:`stickslip.solve.harmonic.neglected`). Where it is above the accuracy the point is solved again with more
-harmonics, from the linearised correction, and the path goes on from there; where it is far below, with fewer.
+harmonics, from the linearised correction, and the path continues from there; where it is far below, with fewer.
 """
 
 from __future__ import annotations
@@ -232,7 +232,7 @@ class HarmonicsByAccuracy:
         return CurveAccuracy(self._accuracy, harmonics, np.array(errors), errors[_highest(points)], self._limited)
 
     def _remember(self, event: BranchEvent) -> None:
-        """A branch that returns to one of its points goes on with the harmonics of this point."""
+        """A branch that returns to one of its points continues with the harmonics of this point."""
         if isinstance(event, Accepted):
             self._accepted.append(event.point.harmonics)
         elif isinstance(event, Retreat):

@@ -37,7 +37,7 @@ from stickslip.solve.path.visited import Visited
 from stickslip.solve.path.work import Work
 
 # chosen: the largest number of retreats from steps that came back to the branch before it is lost, and of places where
-# the branch is lost and goes on close beyond.
+# the branch is lost and continues close beyond.
 MOST_RETREATS, MOST_CROSSINGS = 6, 6
 # chosen: how often a step that passes the end, but from which Newton does not land on it, is halved.
 MOST_LANDINGS = 8
@@ -55,8 +55,8 @@ class Branch(Generic[PointT]):
     removed because they are on another curve), and corners. No step crosses one of the ``landmarks``
     (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
     branch ends at the stop, ``lost`` if it ends because no step succeeds; ``message`` describes its end. ``retreats``
-    and ``corners`` are the parameters of those events, ``crossings`` the places where the branch was lost and goes on
-    close beyond. ``revise`` may solve each new point again, with other equations, before the branch goes on from there.
+    and ``corners`` are the parameters of those events, ``crossings`` the places where the branch was lost and continues
+    close beyond. ``revise`` may solve each new point again, with other equations, before the branch continues.
     The branch also ends at the limit of the ``work`` on all branches that share it.
 
     With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it

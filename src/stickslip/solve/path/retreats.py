@@ -107,7 +107,7 @@ class Retreats(Generic[PointT]):
         return metric.unit(corrector.direction_of(points[last], system, 1.0)), step
 
     def forget(self) -> None:
-        """The last points are no reversal: the branch goes on elsewhere."""
+        """The last points are no reversal: the branch continues elsewhere."""
         self._back.clear()
 
     def _same(self, first: PointT, second: PointT, chord: Tangent) -> bool:
@@ -131,7 +131,7 @@ class Retreats(Generic[PointT]):
 
 @dataclass(frozen=True)
 class Crossing:
-    """A place where the branch was lost and goes on close beyond.
+    """A place where the branch was lost and continues close beyond.
 
     before, after:
         parameters of the last point before it, and of the first one beyond.
@@ -169,7 +169,7 @@ def close_beyond(
     """A solution beyond the first of the points ``near``, no farther from it than a first step; None without one.
 
     Corners finer than the smallest step, with loops and legs too close to each other for Newton's method, end a branch
-    that goes on just beyond. The parameter is fixed there: no direction of the branch enters.
+    that continues just beyond. The parameter is fixed there: no direction of the branch enters.
     """
     edge = near[0]
     for length in growing_lengths(4.0 * settings.smallest_step, settings.first_step):

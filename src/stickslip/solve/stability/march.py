@@ -261,7 +261,7 @@ def _march(
     _copy(start, p + size, 2 * pairs, 1.0, memory, zero)
     relative = np.dot(directions, both)
     # The force at sample 0, and the part of it of the pairs that stay.
-    held = np.zeros((size, columns))
+    staying = np.zeros((size, columns))
     for pair in range(pairs):
         _copy(memory, 2 * pair, two, 1.0, values, 3 * pair)
         _copy(relative, 3 * pair + 2, one, normal[0, pair] - springs[pair, 2], values, 3 * pair + 2)
@@ -275,7 +275,7 @@ def _march(
             _copy(memory, 2 * pair, two, 1.0, values, count)
             count += 2
     if count:
-        held += _gathered(rows, values, count)
+        staying += _gathered(rows, values, count)
     for step in range(1, n + 1):
         j, after = step % n, (step + 1) % n
         # What the deviations at the end do not depend on.
@@ -297,9 +297,9 @@ def _march(
                     )  # fmt: skip
             _copy(values, count, two, 1.0, memory, 2 * pair)
             count += 2
-        past = held
+        past = staying
         if count:
-            past = held + _gathered(rows, values, count)
+            past = staying + _gathered(rows, values, count)
         motion, known = np.dot(advance, state), np.dot(weight, past)
         for row in range(size):
             for c in range(columns):
@@ -347,7 +347,7 @@ def _march(
                 _copy(memory, 2 * pair, two, 1.0 if there == STAYS else -1.0, values, count)
                 count += 2
         if count:
-            held += _gathered(rows, values, count)
+            staying += _gathered(rows, values, count)
     end = np.empty(start.shape)
     _copy(state, zero, 2 * p, 1.0, end, zero)
     _copy(both, p, size - p, 1.0, end, 2 * p)

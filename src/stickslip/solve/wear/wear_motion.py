@@ -137,7 +137,7 @@ class WornVibration:
         return WornState.at_point(stage, pairs, points[top])
 
     def accept(self, state: WornState) -> WornState:
-        """The state from which the wear goes on: the given one, or that at a higher peak of the whole curve.
+        """The state from which the wear continues: the given one, or that at a higher peak of the whole curve.
 
         Raises ConvergenceError.
         """
