@@ -19,6 +19,11 @@ DOUBTFUL = (
 LARGEST_PAUSE = 8  # chosen: positions of a grid; the error is zero at each point, and eight positions are an interval
 
 
+def percent_words(error: float) -> str:
+    """A relative error in per cent; one of the size of the value itself says no more than that."""
+    return f"{100.0 * error:.2g} %" if error < 1.0 else "100 % or more"
+
+
 class CheckedPeak(NamedTuple):
     """The highest peak at a value of the parameter by a whole curve with more ``harmonics``.
 
@@ -36,7 +41,7 @@ class CheckedPeak(NamedTuple):
         """A sentence; ``at`` is the parameter in words, ``of_ridge`` the amplitude in m that the ridge has there."""
         return (
             f"Checked with {self.harmonics} harmonics by a whole curve at {at}: {1e6 * self.amplitude:.4g} µm at "
-            f"{self.frequency_hz:.2f} Hz, estimated error {100.0 * self.error:.2g} %; the ridge has "
+            f"{self.frequency_hz:.2f} Hz, estimated error {percent_words(self.error)}; the ridge has "
             f"{1e6 * of_ridge:.4g} µm."
         )
 
@@ -54,7 +59,7 @@ def doubtful_words(parameter: FloatArray, error: FloatArray | None, named: Calla
     yield (
         f"By neglected harmonics, {int(doubtful.sum())} of {error.size} peaks have an estimated error above "
         f"{100.0 * DOUBTFUL:g} %, from {named(float(there.min()))} to {named(float(there.max()))}; the largest is "
-        f"{100.0 * float(error[worst]):.2g} % at {named(float(parameter[worst]))}. Solve the study there before you "
+        f"{percent_words(float(error[worst]))} at {named(float(parameter[worst]))}. Solve the study there before you "
         "use them."
     )
 
@@ -69,7 +74,7 @@ def uncertain_line_words(parameter: FloatArray, error: FloatArray, named: Callab
         return
     ranges = [
         f"from {named(float(parameter[each[0]]))} to {named(float(parameter[each[-1]]))} "
-        f"(up to {100.0 * float(error[each].max()):.2g} %)"
+        f"(up to {percent_words(float(error[each].max()))})"
         for each in np.split(places, np.flatnonzero(np.diff(places) > LARGEST_PAUSE) + 1)
     ]
     yield (

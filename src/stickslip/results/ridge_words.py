@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from stickslip.core.validation import FloatArray
+from stickslip.results.checked_peak import percent_words
 
 # chosen: values between the points at which the highest ridge is determined.
 GRID_PER_INTERVAL = 8
@@ -26,4 +27,4 @@ def error_words(grid: FloatArray, error_at: Callable[[FloatArray], FloatArray], 
     """
     place = int(np.argmin(np.abs(grid - parameter)))
     near = error_at(grid[max(0, place - GRID_PER_INTERVAL) : place + GRID_PER_INTERVAL + 1])
-    return f", estimated error {100.0 * max(SMALLEST_ERROR, float(np.nanmax(near))):.2g} %"
+    return f", estimated error {percent_words(max(SMALLEST_ERROR, float(np.nanmax(near))))}"
