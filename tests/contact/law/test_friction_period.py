@@ -10,7 +10,7 @@ from friction_cases import make_pairs, near_shakedown, random_case, sampled
 from test_friction import AMPLITUDE, COUNTS, LOOPS, slope
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force
+from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
 from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.core.validation import FloatArray
 
@@ -124,6 +124,31 @@ def test_no_corner_where_an_onset_or_a_gap_passes_a_sample(name: str) -> None:
     corrected, plain = bends[away].max(axis=0)
     assert corrected < 2e-3
     assert plain > 2e-3 or name == "jenkins"  # whose onsets are beside a reversal with these numbers
+
+
+@pytest.mark.parametrize("update", ["tractrix", "radial"])
+def test_the_force_is_continuous_where_lift_off_of_a_pair_that_sticks_passes_a_sample(update: Update) -> None:
+    """In the step to lift-off the falling limit meets the force, so the pair slips before it opens."""
+    samples, last = 64, 23
+    x = np.zeros((1, 3, 3))
+    x[0, 0, 1:], x[0, 1, 2], x[0, 2, 1] = (0.1, 0.03), 0.07, 3.0
+    preload = -3.0 * np.cos(2.0 * np.pi * last / samples)  # the pair lifts off at this sample
+    pairs = make_pairs(1, friction_coefficient=4.0, preload=preload)
+
+    def force(closing: float) -> FloatArray:
+        moved = x.copy()
+        moved[0, 2, 0] = closing
+        return harmonic_force(moved, pairs, samples, update).force[0, :2]
+
+    jump = np.abs(force(1e-9) - force(-1e-9)).max()
+    assert np.abs(force(0.0)).max() > 0.01
+    assert jump < 1e-7
+    # And the derivative is that of the force, beside the sample and in the middle of the step.
+    for closing in (-1e-3, -0.1):
+        x[0, 2, 0] = closing
+        tangent = harmonic_tangent(x, pairs, samples, [0], update)[0, :2, :, 2, 0]
+        differences = (force(closing + 1e-6) - force(closing - 1e-6)) / 2e-6
+        assert tangent == pytest.approx(differences, abs=1e-5 * np.abs(differences).max())
 
 
 @pytest.mark.parametrize("seed", [0, 1])
