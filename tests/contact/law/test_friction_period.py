@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -126,29 +127,66 @@ def test_no_corner_where_an_onset_or_a_gap_passes_a_sample(name: str) -> None:
     assert plain > 2e-3 or name == "jenkins"  # whose onsets are beside a reversal with these numbers
 
 
+def lift_off_at_a_sample(across: float) -> tuple[FloatArray, ContactPairs]:
+    """A pair that sticks until it lifts off exactly at sample 23 of 64; ``across`` m moves it in a second direction."""
+    x = np.zeros((1, 3, 3))
+    x[0, 0, 1:], x[0, 1, 2], x[0, 2, 1:] = (0.1, 0.03), across, (3.0, 0.7)
+    angle = 2.0 * np.pi * 23 / 64
+    preload = -3.0 * np.cos(angle) - 0.7 * np.sin(angle)
+    return x, make_pairs(1, friction_coefficient=4.0, preload=preload)
+
+
+def bisect(condition: Callable[[float], bool], yes: float, no: float) -> float:
+    """Where a condition that holds at ``yes`` ceases to hold on the way to ``no``."""
+    assert condition(yes)
+    assert not condition(no)
+    for _ in range(60):
+        middle = 0.5 * (yes + no)
+        yes, no = (middle, no) if condition(middle) else (yes, middle)
+    return no
+
+
+def closed_by(x: FloatArray, closing: float) -> FloatArray:
+    """``x`` with the mean closing ``closing`` m: lift-off comes later."""
+    moved = x.copy()
+    moved[0, 2, 0] = closing
+    return moved
+
+
 @pytest.mark.parametrize("update", ["tractrix", "radial"])
 def test_the_force_is_continuous_where_lift_off_of_a_pair_that_sticks_passes_a_sample(update: Update) -> None:
     """In the step to lift-off the falling limit meets the force, so the pair slips before it opens."""
-    samples, last = 64, 23
-    x = np.zeros((1, 3, 3))
-    x[0, 0, 1:], x[0, 1, 2], x[0, 2, 1] = (0.1, 0.03), 0.07, 3.0
-    preload = -3.0 * np.cos(2.0 * np.pi * last / samples)  # the pair lifts off at this sample
-    pairs = make_pairs(1, friction_coefficient=4.0, preload=preload)
+    x, pairs = lift_off_at_a_sample(0.07)
 
     def force(closing: float) -> FloatArray:
-        moved = x.copy()
-        moved[0, 2, 0] = closing
-        return harmonic_force(moved, pairs, samples, update).force[0, :2]
+        return harmonic_force(closed_by(x, closing), pairs, 64, update).force[0, :2]
 
     jump = np.abs(force(1e-9) - force(-1e-9)).max()
     assert np.abs(force(0.0)).max() > 0.01
-    assert jump < 1e-7
+    assert jump < 1e-7  # without the slip 3e-3
     # And the derivative is that of the force, beside the sample and in the middle of the step.
     for closing in (-1e-3, -0.1):
-        x[0, 2, 0] = closing
-        tangent = harmonic_tangent(x, pairs, samples, [0], update)[0, :2, :, 2, 0]
+        tangent = harmonic_tangent(closed_by(x, closing), pairs, 64, [0], update)[0, :2, :, 2, 0]
         differences = (force(closing + 1e-6) - force(closing - 1e-6)) / 2e-6
         assert tangent == pytest.approx(differences, abs=1e-5 * np.abs(differences).max())
+
+
+def test_no_corner_where_lift_off_or_the_slip_before_it_passes_a_sample() -> None:
+    """In one direction; a motion that turns keeps a corner: slip turns the traction, and the correction does not."""
+    x, pairs = lift_off_at_a_sample(0.0)
+
+    def jump(closing: float) -> float:
+        before, after = (harmonic_tangent(closed_by(x, closing + d), pairs, 64, [0]) for d in (-1e-9, 1e-9))
+        return float(np.abs(after - before)[0, :2].max())
+
+    def slips_before(closing: float) -> bool:
+        """Whether the pair is on its limit at sample 22, and lifts off in the step after it."""
+        force = contact_cycle(sampled(closed_by(x, closing), 64), pairs).force[22, 0]
+        return float(np.hypot(*force[:2])) > (1.0 - 1e-9) * 4.0 * force[2] > 0.0
+
+    onset = bisect(slips_before, -0.273, -0.1)
+    assert jump(0.0) < 1e-7  # 0.06 without the slip before lift-off, 1.5e-4 with its correction at its onset
+    assert jump(onset) < 1e-7  # 0.07, 5e-5
 
 
 @pytest.mark.parametrize("seed", [0, 1])

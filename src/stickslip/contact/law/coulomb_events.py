@@ -21,6 +21,8 @@ from stickslip.core.validation import FloatArray
 
 # Onsets before this fraction of a step belong to slip that goes on: round-off of a force on its limit.
 LEAST_ONSET = 1e-9
+# Place that no onset before lift-off has: it is above.
+NO_ONSET = -1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -56,22 +58,25 @@ def event(
 def onset_before_lift_off(
     t1: float, t2: float, d1: float, d2: float, limit_start: float, limit_end: float
 ) -> tuple[float, float, float]:
-    """:func:`event` of the slip that begins before the pair lifts off in a step; the limit falls from above zero.
+    """Place and correction of the slip that begins in a step before the pair lifts off; the limit starts above zero.
 
     Until lift-off the step is one of its own, whose limit ends at zero: without this part the force would jump where
-    the limit at the end of the step passes zero.
+    the limit at the end of the step passes zero. With the instants ``onset`` and ``closed`` of both events as fractions
+    of the step, the place is ``onset + closed - 1``, NO_ONSET for none: a pair that already slips has the correction
+    of lift-off alone, and the first moments of both together continue it only from there. Beside a sample, at
+    ``closed = 1`` and at ``onset = 0``, a place at the onset would leave a corner.
     """
     closed = limit_start / (limit_start - limit_end)
     theta = slip_onset(t1, t2, closed * d1, closed * d2, limit_start, 0.0)
     if theta <= LEAST_ONSET:
-        return 0.0, 0.0, 0.0
-    instant = closed * theta
-    return instant, 0.5 * instant * (t1 + closed * d1), 0.5 * instant * (t2 + closed * d2)
+        return NO_ONSET, 0.0, 0.0
+    onset = closed * theta
+    return onset + closed - 1.0, 0.5 * onset * (t1 + closed * d1), 0.5 * onset * (t2 + closed * d2)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def share_between(i: int, j: int, theta: float, c1: float, c2: float, out: FloatArray) -> None:
-    """Add the correction (c1, c2) of an event at the fraction ``theta`` of a step to both of its samples."""
+    """Add the correction (c1, c2) at the place ``theta``, a fraction of a step, to both of its samples."""
     out[0, i] += (1.0 - theta) * c1
     out[1, i] += (1.0 - theta) * c2
     out[0, j] += theta * c1
@@ -181,21 +186,22 @@ def onset_before_lift_off_jacobian(
 ) -> tuple[float, float, float]:
     """:func:`onset_before_lift_off`, and its derivatives in ``local`` as of :func:`event_jacobian`."""
     local[:] = 0.0
-    instant, c1, c2 = onset_before_lift_off(t1, t2, d1, d2, limit_start, limit_end)
-    if instant == 0.0:
-        return 0.0, 0.0, 0.0
+    place, c1, c2 = onset_before_lift_off(t1, t2, d1, d2, limit_start, limit_end)
+    if place == NO_ONSET:
+        return place, c1, c2
     span = limit_start - limit_end
     closed = limit_start / span
-    theta = instant / closed
+    onset = place + 1.0 - closed
+    theta = onset / closed
     closing1, closing2 = closed * d1, closed * d2
     on1, on2 = t1 + theta * closing1, t2 + theta * closing2
     size = math.hypot(on1, on2)
     if size == 0.0:  # the force vanishes exactly at lift-off
-        return instant, c1, c2
+        return place, c1, c2
     n1, n2 = on1 / size, on2 / size
     rate = n1 * closing1 + n2 * closing2 + limit_start
     if rate <= 0.0:
-        return 0.0, 0.0, 0.0
+        return NO_ONSET, 0.0, 0.0
     # Derivatives of ``closed`` and of theta, at whose instant the force is on the limit (1 - theta) limit_start.
     by_closed = -theta * (n1 * d1 + n2 * d2) / rate
     closed_by_start, closed_by_end = -limit_end / span**2, limit_start / span**2
@@ -209,10 +215,10 @@ def onset_before_lift_off_jacobian(
         elif k == 4:
             theta_slope += (1.0 - theta) / rate
         slope = closed * theta_slope + theta * closed_slope
-        local[2, k] = slope
-        local[0, k] = 0.5 * (slope * (t1 + closing1) + instant * d1 * closed_slope)
-        local[1, k] = 0.5 * (slope * (t2 + closing2) + instant * d2 * closed_slope)
+        local[2, k] = slope + closed_slope
+        local[0, k] = 0.5 * (slope * (t1 + closing1) + onset * d1 * closed_slope)
+        local[1, k] = 0.5 * (slope * (t2 + closing2) + onset * d2 * closed_slope)
     for k in range(2):  # of T_0 + d until lift-off
-        local[k, k] += 0.5 * instant
-        local[k, 2 + k] += 0.5 * instant * closed
-    return instant, c1, c2
+        local[k, k] += 0.5 * onset
+        local[k, 2 + k] += 0.5 * onset * closed
+    return place, c1, c2
