@@ -48,8 +48,8 @@ def test_derivatives_are_those_of_models_that_are_built_again(
     monkeypatch.setenv("STICKSLIP_CACHE", "off")
     case = quick_case().replace({"reduction.modes": modes})
     peak, parameter = peak_of(case), parameters_of_case(case)[name]
-    # The fractal dimension changes the stiffness by its tenth power: by 1e-4 of it the peak passes corners of the law of
-    # friction at these few samples, where pairs touch down, and differences on both sides have different values.
+    # The fractal dimension changes the stiffness by its tenth power: with these few samples, the touchdown of a pair
+    # passes a sample within 1e-4 of it. The curvature of the curve jumps there, and differences mix both sides.
     step = 1e-5 if name == "roughness.fractal_dimension" else 1e-4
     found = peak.gradient(replace(parameter, step=step * parameter.value)) * parameter.value
     expected, values = peak.differences(built_again(case, name), step), peak.sensitivity.values
