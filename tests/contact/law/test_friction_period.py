@@ -182,7 +182,7 @@ def test_no_corner_where_lift_off_or_the_slip_before_it_passes_a_sample() -> Non
     def slips_before(closing: float) -> bool:
         """Whether the pair is on its limit at sample 22, and lifts off in the step after it."""
         force = contact_cycle(sampled(closed_by(x, closing), 64), pairs).force[22, 0]
-        return float(np.hypot(*force[:2])) > (1.0 - 1e-9) * 4.0 * force[2] > 0.0
+        return float(np.hypot(*force[:2])) > (1.0 - 1e-9) * 4.0 * float(force[2]) > 0.0
 
     onset = bisect(slips_before, -0.273, -0.1)
     assert jump(0.0) < 1e-7  # 0.06 without the slip before lift-off, 1.5e-4 with its correction at its onset

@@ -130,13 +130,12 @@ def lifting_off(seed: int, springs: float, along: float) -> tuple[FloatArray, Co
     x[:, 2] *= random.uniform(1.0, 4.0, (count, 1))
     spring = random.uniform(0.5, 3.0, count)
     friction, preload = random.uniform(0.1, 4.0, count), random.uniform(-1.0, 3.0, count)
-    constants = 1.5, np.column_stack([spring, springs * spring]), friction, preload
+    constants = np.full(count, 1.5), np.column_stack([spring, springs * spring]), friction, preload
     force = contact_cycle(sampled(x, SAMPLES), make_pairs(count, *constants)).force
     inside = np.hypot(force[..., 0], force[..., 1]) < 0.999 * friction * force[..., 2]
     chosen = (inside & (np.roll(force[..., 2], -1, axis=0) == 0.0)).any(axis=0)
     assert chosen.sum() > 100
-    each = [np.broadcast_to(value, count)[chosen] if np.ndim(value) < 2 else value[chosen] for value in constants]
-    return x[chosen], make_pairs(int(chosen.sum()), *each)
+    return x[chosen], make_pairs(int(chosen.sum()), *(value[chosen] for value in constants))
 
 
 def changed(pairs: ContactPairs, name: str, factor: float) -> ContactPairs:
@@ -176,8 +175,11 @@ def test_tangent_of_pairs_that_stick_until_they_lift_off(springs: float, along: 
         "preload": by_preload,
         "friction_coefficient": by_normal + by_preload,
     }.items():
-        checked(work, lambda step, name=name: harmonic_force(x, changed(pairs, name, 1.0 + step), SAMPLES, update)
-                .force[:, :2])  # fmt: skip
+
+        def by_constant(step: float, name: str = name) -> FloatArray:
+            return harmonic_force(x, changed(pairs, name, 1.0 + step), SAMPLES, update).force[:, :2]
+
+        checked(work, by_constant)
 
 
 @pytest.mark.parametrize("seed", [3, 4])
