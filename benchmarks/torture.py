@@ -32,7 +32,7 @@ from typing import Any, get_args
 
 import numpy as np
 from torture_peaks import Curve, Progress, curve_of, search
-from torture_problems import KINDS, SEEDS, ResidualTraction, make
+from torture_problems import KINDS, SEEDS, SET_KINDS, ResidualTraction, make
 
 import stickslip as ss
 
@@ -339,7 +339,9 @@ def main() -> None:
     assert __doc__
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--classes", type=class_names, default=KINDS, help="names with commas; default: all")
+    parser.add_argument(
+        "--classes", type=class_names, default=SET_KINDS, help="names with commas; default: all of the set"
+    )
     words = "FIRST:END, for example 0:8; default: 0:14, and 0:60 of the class narrow"
     parser.add_argument("--seeds", type=seed_range, help=words)
     parser.add_argument("--harmonics", type=int, default=3)

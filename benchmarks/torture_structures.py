@@ -1,4 +1,4 @@
-"""Random structures of the torture set: one mass, chains, beams, plates, twins, and a damper that friction supports.
+"""Random structures of the torture set: one mass, chains, beams, plates, twins, and dampers that friction supports.
 
 Each function takes a random generator and returns a :class:`Structure` in SI units with its contact pairs, still
 without their constants. All draws are ratios of sizes that a machine part can have.
@@ -7,7 +7,7 @@ without their constants. All draws are ratios of sizes that a machine part can h
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -254,6 +254,25 @@ def rigid_damper(random: Random) -> Structure:
     The blades stand along x, outward in the rotor. The wedge between them has 3 to 7 pairs on each of its two roof
     faces; its inclined faces press outward and sideways against the platforms.
     """
+    return _blades_and_wedges(random, 1)
+
+
+def damper_row(random: Random) -> Structure:
+    """Three blades in a row with a wedge between each two."""
+    return _blades_and_wedges(random, 2)
+
+
+def shaken_damper(random: Random) -> Structure:
+    """Two blades and a wedge whose base moves across the blades with a constant acceleration, 1 m/s2."""
+    structure = _blades_and_wedges(random, 1)
+    across, axial = 1.0, random.uniform(-0.5, 0.5)
+    nodes = (len(structure.mass) - 6) // 6
+    rigid = np.concatenate([np.tile([0.0, across, axial, 0.0, 0.0, 0.0], nodes), [0.0, across, axial, 0.0, 0.0, 0.0]])
+    return replace(structure, force=structure.mass @ rigid)
+
+
+def _blades_and_wedges(random: Random, wedges: int) -> Structure:
+    """``wedges`` rigid wedges, each between two of a row of nearly equal blades."""
     length, elements = random.uniform(0.1, 0.25), int(random.integers(4, 8))
     blade = Cantilever(elements, length, length * random.uniform(0.04, 0.1), 0.15 * length)
     mass, stiffness = blade.matrices
@@ -262,29 +281,36 @@ def rigid_damper(random: Random) -> Structure:
     wedge_mass = random.uniform(0.3, 2.0) * DENSITY * 2.0 * reach * reach * blade.height
     wedge = wedge_mass * np.array([1.0, 1.0, 1.0, *(0.67 * reach**2 * np.array([1.0, 1.0, 1.0]))])
     per_face, platform = int(random.integers(3, 8)), elements // 2
+    first_of_wedges = (wedges + 1) * blade.size
     operator = []
-    for side in (-1.0, 1.0):  # the left blade, the right one
-        normal, slope = (np.array(row) for row in ((np.cos(roof), side * np.sin(roof), 0.0),
-                                                   (np.sin(roof), -side * np.cos(roof), 0.0)))  # fmt: skip
-        axes = np.array([[0.0, 0.0, 1.0], slope, normal])
-        for _ in range(per_face):
-            along, across = random.uniform(-0.5, 0.5, 2)
-            place = np.array([0.0, side * reach, 0.0]) + along * reach * slope + [0.0, 0.0, across * blade.height]
-            arm = place - [0.0, side * (2.0 * reach + 0.5 * blade.width), 0.0]
-            of_blade, absent = blade.point(platform, arm), np.zeros((3, blade.size))
-            of_wedge = np.hstack([np.eye(3), cross_matrix(place)])
-            blades = [-of_blade, absent] if side < 0 else [absent, -of_blade]
-            operator.append(axes @ np.hstack([*blades, of_wedge]))
+    for number in range(wedges):
+        for side in (-1.0, 1.0):  # the left blade, the right one
+            normal, slope = (np.array(row) for row in ((np.cos(roof), side * np.sin(roof), 0.0),
+                                                       (np.sin(roof), -side * np.cos(roof), 0.0)))  # fmt: skip
+            axes = np.array([[0.0, 0.0, 1.0], slope, normal])
+            of_blade = blade.size * (number + (side > 0))
+            of_wedge = first_of_wedges + 6 * number
+            for _ in range(per_face):
+                along, across = random.uniform(-0.5, 0.5, 2)
+                place = np.array([0.0, side * reach, 0.0]) + along * reach * slope + [0.0, 0.0, across * blade.height]
+                arm = place - [0.0, side * (2.0 * reach + 0.5 * blade.width), 0.0]
+                rows = np.zeros((3, first_of_wedges + 6 * wedges))
+                rows[:, of_blade : of_blade + blade.size] = -blade.point(platform, arm)
+                rows[:, of_wedge : of_wedge + 6] = np.hstack([np.eye(3), cross_matrix(place)])
+                operator.append(axes @ rows)
     flap, edge = blade.tip(np.array([0.0, 1.0, 0.0])), blade.tip(np.array([0.0, 0.0, 1.0]))
     other = random.choice([0.0, 1.0, -1.0, 0.3])
+    forces = [flap + random.uniform(-0.5, 0.5) * edge, *(other**number * flap for number in range(1, wedges + 1))]
+    absent = np.zeros(6 * wedges)
     return Structure(
-        scipy.linalg.block_diag(mass, (1.0 + detuning) * mass, np.diag(wedge)),
-        scipy.linalg.block_diag(stiffness, stiffness, np.zeros((6, 6))),
+        scipy.linalg.block_diag(*((1.0 + number * detuning) * mass for number in range(wedges + 1)),
+                                *(np.diag(wedge) for _ in range(wedges))),
+        scipy.linalg.block_diag(*(stiffness for _ in range(wedges + 1)), np.zeros((6 * wedges, 6 * wedges))),
         np.vstack(operator),
-        np.concatenate([flap + random.uniform(-0.5, 0.5) * edge, other * flap, np.zeros(6)]),
-        np.concatenate([flap, np.zeros(blade.size + 6)]),
+        np.concatenate([*forces, absent]),
+        np.concatenate([flap, np.zeros(wedges * blade.size), absent]),
         static_stiffness(stiffness, flap),
-    )
+    )  # fmt: skip
 
 
 STRUCTURES: dict[str, Callable[[Random], Structure]] = {
@@ -295,4 +321,6 @@ STRUCTURES: dict[str, Callable[[Random], Structure]] = {
     "plate": plate,
     "twins": twins,
     "damper": rigid_damper,
+    "damper row": damper_row,
+    "shaken damper": shaken_damper,
 }

@@ -80,6 +80,20 @@ def test_the_wedge_presses_outward_and_to_both_sides() -> None:
     assert (normals[half:, 1] > 0.0).all()
 
 
+def test_other_classes_have_two_free_wedges_a_moving_base_and_wide_constants() -> None:
+    row, shaken = problems.make("row", 100), problems.make("shaken", 100)
+    omega = natural_omega(row)
+    assert (omega < 1e-4 * omega.max()).sum() == 12
+    # A constant acceleration of the base pulls the wedge with its mass.
+    wedge = shaken.structure
+    assert wedge.force[-5] == pytest.approx(wedge.mass[-5, -5])
+    mixed = problems.make("mixed", 101)
+    assert mixed.friction_coefficient.min() >= 0.01
+    stiffness = np.concatenate([problems.make("mixed", seed).tangential_stiffness[:, 0] for seed in range(100, 103)])
+    assert stiffness.max() > 100.0 * stiffness.min()
+    assert problems.make("orders", 100).force_cos.shape[1] == 3
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_classes_have_what_their_names_promise(seed: int) -> None:
     assert problems.make("gaps", seed).preload.min() < 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -47,8 +48,10 @@ def test_derivatives_are_those_of_models_that_are_built_again(
     monkeypatch.setenv("STICKSLIP_CACHE", "off")
     case = quick_case().replace({"reduction.modes": modes})
     peak, parameter = peak_of(case), parameters_of_case(case)[name]
-    found = peak.gradient(parameter) * parameter.value
-    step = 1e-5 if name == "roughness.fractal_dimension" else 1e-4  # it changes the stiffness by its tenth power
+    # The fractal dimension changes the stiffness by its tenth power: with these few samples, the touchdown of a pair
+    # passes a sample within 1e-4 of it. The curvature of the curve jumps there, and differences mix both sides.
+    step = 1e-5 if name == "roughness.fractal_dimension" else 1e-4
+    found = peak.gradient(replace(parameter, step=step * parameter.value)) * parameter.value
     expected, values = peak.differences(built_again(case, name), step), peak.sensitivity.values
     # 1e-4 of the value: differences of reduced models have errors by truncation and round-off of this size.
     assert found[:2] == pytest.approx(expected[:2], rel=1e-3, abs=1e-4 * float(values[0]))

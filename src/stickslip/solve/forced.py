@@ -170,13 +170,13 @@ def unreported_response(
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
     least = least_harmonics(harmonics, accuracy, samples, excitation)
-    with solver_threads(3 * pairs.n_pairs, threads):
+    with solver_threads(3 * pairs.n_pairs, threads), UnboundedMotions() as motions:
         highest = max(start_omega, stop_omega)
         given = CurveInput(
             pairs, excitation, highest, least, accuracy is not None, samples, modal_damping_ratio, update
         )
         balances = structure.balances(given, report.stage)
-        unbounded = balances.unbounded(window)
+        motions.sentences = balances.unbounded(window)
         work = Work(2 * least + 1, WORK_PER_POINT * settings.max_points)
         curve = FrequencyCurve(balances.with_harmonics(least), work=work)
         solver = Newton(curve, newton, report.iteration)
@@ -254,7 +254,21 @@ def unreported_response(
             response = replace(response, traction_band=search.band(points))
             response = replace(response, warnings=(*response.warnings, *search.warnings))
     cost = {"solve_seconds": f"{time.perf_counter() - began:.2f}", "solve_work": f"{work.total:.0f} iterations"}
-    return replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | cost)
+    return replace(response, warnings=motions.sentences + response.warnings, provenance=response.provenance | cost)
+
+
+class UnboundedMotions:
+    """The ``sentences`` on motions that hardly anything bounds; a ConvergenceError inside the block ends with them."""
+
+    def __init__(self) -> None:
+        self.sentences: tuple[str, ...] = ()
+
+    def __enter__(self) -> UnboundedMotions:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, ConvergenceError) and self.sentences:
+            raise ConvergenceError(" ".join([str(error), *self.sentences])) from error
 
 
 def least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:

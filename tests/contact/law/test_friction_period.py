@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +11,7 @@ from friction_cases import make_pairs, near_shakedown, random_case, sampled
 from test_friction import AMPLITUDE, COUNTS, LOOPS, slope
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force
+from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
 from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.core.validation import FloatArray
 
@@ -124,6 +125,68 @@ def test_no_corner_where_an_onset_or_a_gap_passes_a_sample(name: str) -> None:
     corrected, plain = bends[away].max(axis=0)
     assert corrected < 2e-3
     assert plain > 2e-3 or name == "jenkins"  # whose onsets are beside a reversal with these numbers
+
+
+def lift_off_at_a_sample(across: float) -> tuple[FloatArray, ContactPairs]:
+    """A pair that sticks until it lifts off exactly at sample 23 of 64; ``across`` m moves it in a second direction."""
+    x = np.zeros((1, 3, 3))
+    x[0, 0, 1:], x[0, 1, 2], x[0, 2, 1:] = (0.1, 0.03), across, (3.0, 0.7)
+    angle = 2.0 * np.pi * 23 / 64
+    preload = -3.0 * np.cos(angle) - 0.7 * np.sin(angle)
+    return x, make_pairs(1, friction_coefficient=4.0, preload=preload)
+
+
+def bisect(condition: Callable[[float], bool], yes: float, no: float) -> float:
+    """Where a condition that holds at ``yes`` ceases to hold on the way to ``no``."""
+    assert condition(yes)
+    assert not condition(no)
+    for _ in range(60):
+        middle = 0.5 * (yes + no)
+        yes, no = (middle, no) if condition(middle) else (yes, middle)
+    return no
+
+
+def closed_by(x: FloatArray, closing: float) -> FloatArray:
+    """``x`` with the mean closing ``closing`` m: lift-off comes later."""
+    moved = x.copy()
+    moved[0, 2, 0] = closing
+    return moved
+
+
+@pytest.mark.parametrize("update", ["tractrix", "radial"])
+def test_the_force_is_continuous_where_lift_off_of_a_pair_that_sticks_passes_a_sample(update: Update) -> None:
+    """In the step to lift-off the falling limit meets the force, so the pair slips before it opens."""
+    x, pairs = lift_off_at_a_sample(0.07)
+
+    def force(closing: float) -> FloatArray:
+        return harmonic_force(closed_by(x, closing), pairs, 64, update).force[0, :2]
+
+    jump = np.abs(force(1e-9) - force(-1e-9)).max()
+    assert np.abs(force(0.0)).max() > 0.01
+    assert jump < 1e-7  # without the slip 3e-3
+    # And the derivative is that of the force, beside the sample and in the middle of the step.
+    for closing in (-1e-3, -0.1):
+        tangent = harmonic_tangent(closed_by(x, closing), pairs, 64, [0], update)[0, :2, :, 2, 0]
+        differences = (force(closing + 1e-6) - force(closing - 1e-6)) / 2e-6
+        assert tangent == pytest.approx(differences, abs=1e-5 * np.abs(differences).max())
+
+
+def test_no_corner_where_lift_off_or_the_slip_before_it_passes_a_sample() -> None:
+    """In one direction; a motion that turns keeps a corner: slip turns the traction, and the correction does not."""
+    x, pairs = lift_off_at_a_sample(0.0)
+
+    def jump(closing: float) -> float:
+        before, after = (harmonic_tangent(closed_by(x, closing + d), pairs, 64, [0]) for d in (-1e-9, 1e-9))
+        return float(np.abs(after - before)[0, :2].max())
+
+    def slips_before(closing: float) -> bool:
+        """Whether the pair is on its limit at sample 22, and lifts off in the step after it."""
+        force = contact_cycle(sampled(closed_by(x, closing), 64), pairs).force[22, 0]
+        return float(np.hypot(*force[:2])) > (1.0 - 1e-9) * 4.0 * float(force[2]) > 0.0
+
+    onset = bisect(slips_before, -0.273, -0.1)
+    assert jump(0.0) < 1e-7  # 0.06 without the slip before lift-off, 1.5e-4 with its correction at its onset
+    assert jump(onset) < 1e-7  # 2.6e-3, 2.2e-4
 
 
 @pytest.mark.parametrize("seed", [0, 1])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
-from friction_cases import kept_case, make_pairs, random_case
+from friction_cases import kept_case, make_pairs, random_case, sampled
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_harmonics import Update, harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
 from stickslip.core.validation import FloatArray
 
 SAMPLES = 64
@@ -114,6 +116,70 @@ def test_tangent_of_random_pairs(seed: int, update: Update) -> None:
     smooth = relative(first, second, scale) < TOLERANCE
     assert smooth.mean() > 0.9
     assert_close(relative(tangent, first, scale)[smooth])
+
+
+def lifting_off(seed: int, springs: float, along: float) -> tuple[FloatArray, ContactPairs]:
+    """Pairs that stick at the last sample before they lift off, with the motion across t1 times ``along``.
+
+    ``springs``: ratio of the tangential springs. Some of them touch down into stick, others into slip.
+    """
+    random, count = np.random.default_rng(seed), 400
+    x = random.normal(size=(count, 3, 7)) / np.array([1.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0])
+    x[:, :2] *= 10.0 ** random.uniform(-1.5, 0.3, (count, 1, 1))
+    x[:, 1] *= along
+    x[:, 2] *= random.uniform(1.0, 4.0, (count, 1))
+    spring = random.uniform(0.5, 3.0, count)
+    friction, preload = random.uniform(0.1, 4.0, count), random.uniform(-1.0, 3.0, count)
+    constants = np.full(count, 1.5), np.column_stack([spring, springs * spring]), friction, preload
+    force = contact_cycle(sampled(x, SAMPLES), make_pairs(count, *constants)).force
+    inside = np.hypot(force[..., 0], force[..., 1]) < 0.999 * friction * force[..., 2]
+    chosen = (inside & (np.roll(force[..., 2], -1, axis=0) == 0.0)).any(axis=0)
+    assert chosen.sum() > 100
+    return x[chosen], make_pairs(int(chosen.sum()), *(value[chosen] for value in constants))
+
+
+def changed(pairs: ContactPairs, name: str, factor: float) -> ContactPairs:
+    """The pairs with one constant times ``factor``."""
+    names = ("normal_stiffness", "tangential_stiffness", "friction_coefficient", "preload")
+    values = {each: getattr(pairs, each) for each in names}
+    return make_pairs(pairs.n_pairs, **values | {name: factor * values[name]})
+
+
+@pytest.mark.parametrize("update", UPDATES)
+@pytest.mark.parametrize(("springs", "along"), [(1.0, 0.0), (1.0, 1.0), (0.4, 1.0)])
+def test_tangent_of_pairs_that_stick_until_they_lift_off(springs: float, along: float, update: Update) -> None:
+    """Along a random motion, and by the constants: the law depends on K s, mu N0 and mu kn n alone."""
+    x, pairs = lifting_off(7, springs, along)
+    tangent = harmonic_tangent(x, pairs, SAMPLES, np.arange(pairs.n_pairs), update)[:, :2]
+    scale = np.abs(tangent).max(axis=(1, 2, 3, 4)) * np.abs(x).max(axis=(1, 2))
+
+    def checked(work: FloatArray, forces: Callable[[float], FloatArray]) -> None:
+        first, second = ((forces(step) - forces(-step)) / (2.0 * step) for step in (1e-6, 2.3e-6))
+        smooth = np.abs(first - second).max(axis=(1, 2)) < TOLERANCE * scale
+        assert smooth.mean() > 0.98
+        assert (np.abs(work - first).max(axis=(1, 2)) / scale)[smooth].max() < TOLERANCE
+
+    way = np.random.default_rng(8).normal(size=x.shape) * np.abs(x).max(axis=(1, 2))[:, None, None]
+    way[:, 1] *= along
+
+    def moved(step: float) -> FloatArray:
+        return harmonic_force(x + step * way, pairs, SAMPLES, update).force[:, :2]
+
+    checked(np.einsum("iapbq,ibq->iap", tangent, way), moved)
+    by_tangential = np.einsum("iapbq,ibq->iap", tangent[:, :, :, :2], x[:, :2])
+    by_normal = np.einsum("iapq,iq->iap", tangent[:, :, :, 2], x[:, 2])
+    by_preload = tangent[:, :, :, 2, 0] * (pairs.preload / pairs.normal_stiffness)[:, None, None]
+    for name, work in {
+        "tangential_stiffness": by_tangential,
+        "normal_stiffness": by_normal,
+        "preload": by_preload,
+        "friction_coefficient": by_normal + by_preload,
+    }.items():
+
+        def by_constant(step: float, name: str = name) -> FloatArray:
+            return harmonic_force(x, changed(pairs, name, 1.0 + step), SAMPLES, update).force[:, :2]
+
+        checked(work, by_constant)
 
 
 @pytest.mark.parametrize("seed", [3, 4])

@@ -187,3 +187,19 @@ def test_a_motion_that_presses_nothing_but_for_round_off_slides() -> None:
     )  # fmt: skip
     assert np.abs(response.displacement[:, place[6], 0]).max() < 1e-6
     printed_sentence("\n".join(response.warnings), numbers=False)
+
+
+def test_an_error_without_any_point_says_that_the_body_moves_freely() -> None:
+    """At 0.01 Hz it slides by 117 km, which leaves no digits: the stiffness of the contact is not the reason."""
+    with pytest.raises(ss.ConvergenceError, match="A body moves freely"):
+        ss.forced_response(
+            ss.Superelement(np.eye(3), np.diag([0.0, 4e6, 4e6])),
+            ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 100.0),
+            np.array([500.0, 0.0, 0.0]),
+            frequency_hz=(0.01, 50.0),
+            harmonics=1,
+            samples=64,
+            modal_damping_ratio=1e-3,
+            checks=False,
+            continuation=FEW_POINTS,
+        )

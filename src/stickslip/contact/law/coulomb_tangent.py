@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stickslip.contact.law.coulomb_events import event_jacobian
+from stickslip.contact.law.coulomb_events import NO_ONSET, event_jacobian, onset_before_lift_off_jacobian
 from stickslip.contact.law.coulomb_kernel import (
     OPEN,
     SLIP,
@@ -132,6 +132,10 @@ def march_tangent(
                 if theta > 0.0:
                     gather_event(basis, i, j, theta, c1, c2, local, scale, limit_slope, derivative, coefficients)
             if code == OPEN:
+                if width and limit[i] > 0.0:
+                    place, c1, c2 = onset_before_lift_off_jacobian(t1, t2, d1, d2, limit[i], limit[j], local)
+                    if place != NO_ONSET:
+                        gather_event(basis, i, j, place, c1, c2, local, scale, limit_slope, derivative, coefficients)
                 derivative[:] = 0.0
             else:
                 carry(basis, i, j, scale, limit_slope, jacobian, derivative)
