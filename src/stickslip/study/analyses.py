@@ -60,7 +60,7 @@ def forced_curve(
     """The forced response over the window of [solver], ``checks`` as :func:`forced_response` has them, with at most so
     many points and the work of these."""
     settings, analysis = case.solver, case.analysis
-    compiling = "preparation; the first run on a machine compiles the friction law in about ten seconds"
+    compiling = "preparation; the first run on a machine compiles the friction law, which takes about a minute"
     listener.update("Response", 0.0, compiling)
     if analysis.search:
         check_integration(model.superelement, model.pairs)
