@@ -296,7 +296,8 @@ def _require_possible(name: str, *stiffness: float) -> None:
         if value > LARGEST_STIFFNESS:
             raise InputError(
                 f"{name}: the stiffness law gives the face {value:.3g} N/m, but at most {LARGEST_STIFFNESS:g} N/m is "
-                "possible. Check the units of the law and of the normal load."
+                "possible. Check the units of the law and of the normal load. If the roughness is pressed flat "
+                "(complete contact), connect the bodies there, or give the stiffness."
             )
 
 

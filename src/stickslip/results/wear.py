@@ -137,6 +137,12 @@ class Wear(Labelled):
             f"{_MICRO * self.amplitude.min():.4g} and {_MICRO * self.amplitude.max():.4g} µm; the frequency from "
             f"{self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
         )
+        stiffness = self.normal_stiffness[[0, -1]].sum(axis=1)
+        if abs(stiffness[1] / stiffness[0] - 1.0) > 1e-3:
+            yield (
+                f"The normal stiffness of all pairs goes from {stiffness[0]:.4g} to {stiffness[1]:.4g} N/m "
+                f"({100.0 * (stiffness[1] / stiffness[0] - 1.0):+.2g} %): roughness runs in and loads move."
+            )
         before, after = int(self.open_pairs[0]), int(self.open_pairs[-1])
         if after or before:
             yield f"Pairs without load at rest: {before} of {self.area.size} before, {after} after."

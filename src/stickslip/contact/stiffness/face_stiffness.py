@@ -9,12 +9,10 @@ import numpy as np
 
 from stickslip.contact.stiffness.asperities import Roughness
 from stickslip.contact.stiffness.fractal import (
-    ContactStatus,
     ContactStiffness,
     FaceStiffness,
     StiffnessMode,
     fractal_contact,
-    why_no_stiffness,
 )
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.height_spectrum import HeightSpectrum
@@ -22,7 +20,7 @@ from stickslip.contact.stiffness.persson import PerssonStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 from stickslip.contact.stiffness.summits import BushGibsonThomasStiffness, GreenwoodWilliamsonStiffness
 from stickslip.contact.stiffness.tangential import TangentialRatio
-from stickslip.core.errors import InputError, RoughnessError
+from stickslip.core.errors import InputError
 from stickslip.core.validation import positive_number, real_number, require_choice
 
 RoughnessLaw = Literal["fractal", "persson", "greenwood-williamson", "bush-gibson-thomas"]
@@ -74,8 +72,7 @@ def contact_stiffness(
 
     Without ``law`` it is persson, the one that agrees best with boundary elements; with a ``mode`` alone it is fractal.
     ``tangential_law`` and ``form_length`` are of the first three, as in :func:`law_of_roughness`. Raises InputError for
-    values that are not usable; RoughnessError for a fully plastic face in the fractal modes consistent and
-    varying-curvature. These count the elastic spots alone, but plastic spots respond to a small oscillation too.
+    values that are not usable.
     """
     law = _chosen(law, mode)
     if law == "fractal":
@@ -85,12 +82,7 @@ def contact_stiffness(
                     f'{name} is {value!r}, but the law "fractal" has none. Choose another law, or omit it.',
                     arguments=[name],
                 )
-        found = fractal_contact(roughness, load, mode or FIRST_MODE, area)
-        if found.normal == 0.0 and found.status is not ContactStatus.NO_CONTACT:
-            raise RoughnessError(
-                f"the fractal law gives the face no stiffness: {why_no_stiffness(roughness, load)}", arguments=["mode"]
-            )
-        return found
+        return fractal_contact(roughness, load, mode or FIRST_MODE, area)
     if area is None:
         raise InputError(
             f'the law "{law}" requires the area of the face in m2. Give area; only law = "fractal" does without.',

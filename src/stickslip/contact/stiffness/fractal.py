@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from enum import StrEnum
-from math import exp, floor, inf, log, pi, sqrt
+from math import exp, inf, log, pi, sqrt
 from typing import Literal, get_args
 
 from stickslip.contact.stiffness.asperities import (
@@ -31,6 +30,7 @@ __all__ = [
     "ContactStiffness",
     "Roughness",
     "fractal_contact",
+    "published_contact",
     "reduced_modulus",
 ]
 
@@ -39,7 +39,6 @@ StiffnessMode = Literal["consistent", "varying-curvature", "unloading"]
 LARGEST_AREA_RATIO = 0.1  # real over nominal area above which spots touch each other
 LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's assumption of small strain fails
 NEAR_LIMIT = 0.05  # chosen: distance of D from 2 or 3 below which the exponents 2/(D-2) or 1/(3-D) exceed 40 or 20
-DIMENSION_STEPS = 1000  # steps from 2 to 3 of a proposed D: three decimals
 
 
 class ContactStatus(StrEnum):
@@ -47,6 +46,7 @@ class ContactStatus(StrEnum):
 
     NO_CONTACT = "no contact"
     FULLY_PLASTIC = "fully plastic"
+    FEW_ELASTIC_SPOTS = "few elastic spots"
     REAL_AREA_ABOVE_NOMINAL = "real area above nominal"
     LARGEST_AREA_ABOVE_NOMINAL = "largest spot above nominal area"
     SHORTEST_WAVE_BELOW_ROUGHNESS = "shortest wave below fractal roughness"
@@ -58,6 +58,7 @@ class ContactStatus(StrEnum):
     VALID = "valid"
 
 
+WORST_FIRST = tuple(ContactStatus)
 Finding = tuple[ContactStatus, str]  # the status, and a message with numbers
 
 
@@ -105,6 +106,38 @@ def fractal_contact(
 ) -> ContactStiffness:
     """The fractal contact of a face under ``load`` (N), with its stiffness (N/m); all zero for a load <= 0.
 
+    The stiffness is that of :func:`published_contact`, and at least ``2 E* sqrt(A_r/pi)`` with the real area A_r: for a
+    small oscillation plastic spots respond elastically too, and no contact of the area A_r is softer than one round
+    spot. A message reports where this bound is above the published sum (docs/theory_roughness.md, section 4).
+
+    ``area`` in m2, the nominal one, is optional, for comparison with the real area. Raises InputError for values that
+    are not usable.
+    """
+    found = published_contact(roughness, load, mode, area)
+    least = 2.0 * roughness.reduced_modulus * sqrt(found.real_area / pi)
+    if found.normal >= least:
+        return found
+    ratio = tangential_ratio("mindlin", roughness.poisson_ratio)
+    message = (
+        f"Few elastic spots: those that the mode {mode} counts give {found.normal:.3g} N/m, so the stiffness is the "
+        f"least of a contact with this real area, {least:.3g} N/m: plastic spots respond to a small oscillation too. "
+        'law = "persson" computes their part from the waves.'
+    )
+    is_plastic = found.status is ContactStatus.FULLY_PLASTIC
+    return replace(
+        found,
+        normal=least,
+        tangential=max(found.tangential, ratio * least),
+        messages=(*found.messages[:is_plastic], message, *found.messages[is_plastic:]),
+        status=ContactStatus.FULLY_PLASTIC if is_plastic else ContactStatus.FEW_ELASTIC_SPOTS,
+    )
+
+
+def published_contact(
+    roughness: Roughness, load: float, mode: StiffnessMode = "consistent", area: float | None = None
+) -> ContactStiffness:
+    """The spots of a face and the stiffness (N/m) that the published sums give them; see :func:`fractal_contact`.
+
     consistent: K_n is the sum of dF/ddelta = 2 E* r over the elastic spots alone, at fixed curvature (Hertz),
         K_n = sqrt(2/pi) E* b,   b = psi^((2-d)/2) d/(d-1) [a_l'^(d/2) a_c'^((1-d)/2) - a_l'^(1/2)],   d = D - 1.
     varying-curvature: K_n is the sum of (dF_e/dr') / (ddelta/dr') along the family of spots, whose curvature varies
@@ -114,10 +147,8 @@ def fractal_contact(
     K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
     Derivation and sources: docs/theory_roughness.md, sections 2 to 4.
 
-    ``area`` in m2, the nominal one, is optional, for comparison with the real area. A pressed face whose spots are all
-    plastic has zero stiffness in the first two modes, with its status and message: this describes the spots and is not
-    the stiffness of a contact, so :func:`contact_stiffness` and ``springs_of_pairs`` reject it. Raises InputError for
-    values that are not usable.
+    A pressed face whose spots are all plastic has zero stiffness in the first two modes: this is what the published
+    equations say, not the stiffness of a contact. Raises InputError for values that are not usable.
     """
     require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
@@ -130,8 +161,7 @@ def fractal_contact(
         return ContactStiffness(0.0, 0.0, (message,), critical_area, 0.0, 0.0, 0.0, ContactStatus.NO_CONTACT)
     spots = spots_under_load(roughness, load, log_smallest)
     normal, tangential = _spot_stiffness(spots, mode)
-    worst_first = list(ContactStatus)
-    findings = sorted(_findings(spots, load, mode, area), key=lambda finding: worst_first.index(finding[0]))
+    findings = sorted(_findings(spots, load, mode, area), key=lambda finding: WORST_FIRST.index(finding[0]))
     return ContactStiffness(
         normal=normal,
         tangential=tangential,
@@ -198,7 +228,11 @@ def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, area: flo
 def _plasticity_findings(spots: SpotPopulation, load: float, mode: StiffnessMode) -> Iterator[Finding]:
     log_critical, shortest = log_critical_area(spots.roughness), spots.roughness.shortest_length
     if spots.log_largest <= log_critical:
-        consequence = "The contact law then gives no stiffness at all."
+        needed, scale = fully_plastic_load(spots.roughness), spots.roughness.fractal_roughness
+        consequence = (
+            f"Elastic spots require a load above {needed:.4g} N, or G below {scale * sqrt(load / needed):.3g} m. If G "
+            "is from a publication, check its unit: m and mm differ by a factor of 1000."
+        )
         if mode == "unloading":
             consequence = "Only plastic spots in unloading give stiffness, and the shortest wave determines it."
         yield (
@@ -266,43 +300,3 @@ def _asperity_slope(spots: SpotPopulation) -> float:
     log_slope = log(waves) + (d - 1.0) * (log(roughness.fractal_roughness) - log_radius)
     # As D approaches 3 half of the load moves to spots smaller than the smallest floating-point number.
     return exp(log_slope) if log_slope < LOG_LARGEST_NUMBER else inf
-
-
-def why_no_stiffness(roughness: Roughness, load: float) -> str:
-    """Why the modes of elastic spots give a face under ``load`` (N) no stiffness; which load, G or law gives it one."""
-    needed, scale = fully_plastic_load(roughness), roughness.fractal_roughness
-    enough = _rounded(needed, 4, ROUND_CEILING)
-    ways = [
-        f"raise the load above {enough} N",
-        f"set G below {_rounded(scale * sqrt(load / needed), 3, ROUND_FLOOR)} m",
-    ]
-    dimension = _least_dimension(roughness, load)
-    if dimension is not None:
-        ways.append(f"raise D to {dimension:g} (a smoother face)")
-    ways.append(
-        'use law = "persson" or mode = "unloading", in which plastic contact responds to a small oscillation too (both '
-        "require shortest_length)"
-    )
-    return (
-        f"with D = {roughness.fractal_dimension:g} and G = {scale:g} m each contact spot is plastic under a face load "
-        f"of {load:.4g} N; elastic spots require more than {enough} N. Remedies: {', or '.join(ways)}. At these limits "
-        "the stiffness is still almost zero. If G is from a publication, check its unit: m and mm differ by a factor "
-        "of 1000."
-    )
-
-
-def _least_dimension(roughness: Roughness, load: float) -> float | None:
-    """The least D above that of ``roughness`` for which ``load`` (N) makes spots elastic; None if there is none.
-
-    The load that this needs falls with D to a minimum (at D = 2.88 for E*/H = 36) and then rises without bound, so that
-    a larger D does not always help. D within NEAR_LIMIT of 3 is not proposed.
-    """
-    first, last = floor(DIMENSION_STEPS * roughness.fractal_dimension) + 1, round(DIMENSION_STEPS * (3.0 - NEAR_LIMIT))
-    dimensions = (step / DIMENSION_STEPS for step in range(first, last + 1))
-    return next((D for D in dimensions if fully_plastic_load(replace(roughness, fractal_dimension=D)) < load), None)
-
-
-def _rounded(value: float, digits: int, direction: str) -> str:
-    """``value`` with ``digits`` significant digits, rounded in one direction, so that the text still satisfies a
-    bound."""
-    return f"{float(Context(prec=digits, rounding=direction).create_decimal(value)):g}"
