@@ -20,6 +20,7 @@ import stickslip as ss
 from stickslip.contact.stiffness.face_stiffness import RoughnessLaw, persson_law
 from stickslip.contact.stiffness.fractal import StiffnessMode
 from stickslip.contact.stiffness.persson import PerssonStiffness
+from stickslip.core.errors import RoughnessError
 from stickslip.core.validation import FloatArray
 
 TABLE = Path(__file__).parent / "data" / "contact_truth.csv"
@@ -66,11 +67,15 @@ def area_of(row: Row) -> float:
 
 
 def by_law(law: RoughnessLaw, mode: StiffnessMode | None = None) -> Callable[[Row], float]:
-    """Stiffness per area of a case by a law of the package."""
+    """Stiffness per area of a case by a law of the package; nan where the law rejects the case."""
 
     def value(row: Row) -> float:
         area = area_of(row)
-        return ss.contact_stiffness(roughness_of(row), row["pressure"] * area, mode, area, law).normal / area
+        try:
+            found = ss.contact_stiffness(roughness_of(row), row["pressure"] * area, mode, area, law)
+        except RoughnessError:
+            return np.nan
+        return found.normal / area
 
     return value
 

@@ -48,9 +48,10 @@ BLADES_WRONG = {
         "(geometry.blade_length)",
     ),
     "preload of another mesh": ('centrifugal_force = "500 N"', "values = [1.0, 2.0]", "line 11"),
-    "pressed flat": (
+    "no contact left": (
         'centrifugal_force = "500 N"',
-        'centrifugal_force = "20 kN"\n[roughness]\nsq = "0.5 nm"\nshortest_length = "5 um"',
+        'centrifugal_force = "0.5 mN"\n[roughness]\nfractal_roughness = "1e-7 m"\nfractal_dimension = 2.4\n'
+        'mode = "consistent"',
         "line 12 (roughness), line 11 (preload.centrifugal_force)",
     ),
 }  # fmt: skip

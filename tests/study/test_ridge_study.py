@@ -10,7 +10,7 @@ import stickslip as ss
 from own_cases import mesh_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
-from stickslip.core.errors import StudyFileError
+from stickslip.core.errors import RoughnessError, StudyFileError
 from stickslip.results.storage import load_results
 from stickslip.study import analyses
 from stickslip.study import run as study
@@ -169,6 +169,12 @@ def test_a_dimension_that_does_not_fit_is_rejected_before_anything_runs() -> Non
     over = {"analysis.over": "geometry.damper_length", "analysis.over_from": "20 mm"}
     with rejects(ss.InputError, "geometry.damper_length", "geometry.width"):
         check(quick_case().replace(RIDGE | over | {"analysis.over_to": "33 mm"}))
+
+
+def test_a_range_in_which_the_roughness_gives_no_contact_is_rejected() -> None:
+    changes = {"analysis.over": "preload.centrifugal_force", "analysis.over_from": "1 nN", "analysis.over_to": "100 N"}
+    with rejects(RoughnessError, "preload.centrifugal_force"):
+        check(quick_case().replace(RIDGE | changes))
 
 
 def test_keys_of_a_ridge_belong_to_its_kind() -> None:

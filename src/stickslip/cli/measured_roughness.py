@@ -151,9 +151,9 @@ def contact_message(measured: MeasuredRoughness, hardness: str | None = None) ->
     """A message on the load above which a face of this roughness has elastic spots; ``hardness`` with its unit.
 
     Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic, and the fractal
-    law gives the least stiffness of the real area. The material and, if ``hardness`` is None, the hardness are the
-    defaults of a study file, the waves those of the measurement. Raises InputError for a hardness that is not usable or
-    a fit without D and G.
+    law gives the stiffness of one round spot of the real area. The material and, if ``hardness`` is None, the hardness
+    are the defaults of a study file, the waves those of the measurement. Raises InputError for a hardness that is not
+    usable or a fit without D and G.
     """
     case = _case(measured, hardness)
     roughness = case_roughness(case, *[case_material(case)] * 2)
@@ -162,8 +162,8 @@ def contact_message(measured: MeasuredRoughness, hardness: str | None = None) ->
     return (
         f"With {origin}hardness {roughness.hardness / 1e9:g} GPa spots below the critical area "
         f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face with a load below {least:.3g} N has no "
-        "other spots: there the fractal law gives only the least stiffness of a contact with the real area (the "
-        "default law and the mode unloading compute it from the waves)."
+        "other spots: there the fractal law gives only the stiffness of one round spot of the real area, a lower bound "
+        "(the default law and the mode unloading compute it from the waves)."
     )
 
 

@@ -50,9 +50,11 @@ def test_a_face_that_is_not_pressed_has_none() -> None:
     printed_sentence(found.messages[0])
 
 
-def test_unloading_sums_the_plastic_spots() -> None:
-    """2 E* a over the plastic spots down to the shortest wave."""
+def test_a_fully_plastic_face_has_no_stiffness_by_equation_8() -> None:
+    """It ends with an error; unloading sums 2 E* a over the plastic spots, as Persson's law does."""
     face = rough(2.3, 1e-8, **WAVES)
+    with rejects(ss.RoughnessError, "mode"):
+        ss.contact_stiffness(face, LOAD, "varying-curvature")
     unloading = ss.contact_stiffness(face, LOAD, "unloading")
     assert unloading.status is ContactStatus.FULLY_PLASTIC
     assert unloading.plastic_load_share == 1.0
@@ -98,6 +100,14 @@ def test_the_fractal_law_of_a_machined_face_is_not_believable() -> None:
     same = compared(persson_law(face, NOMINAL_AREA), persson_law(face, NOMINAL_AREA), pressure)
     assert same.ratio == 1
     assert same.is_inside
+
+
+def test_a_law_without_stiffness_is_not_believable() -> None:
+    face = rough(2.2, 1e-8, **WAVES)
+    equation_8 = FractalStiffness(face, NOMINAL_AREA, "varying-curvature")
+    found = compared(equation_8, persson_law(face, NOMINAL_AREA), 1.6e6)
+    assert (found.chosen, found.is_inside) == (0.0, False)
+    printed_sentence(found.message('the law "fractal"'))
 
 
 def test_a_constant_stiffness() -> None:

@@ -42,7 +42,9 @@ class Believable:
 
     def message(self, name: str) -> str:
         """A message on a stiffness outside of the band; ``name`` of the law."""
-        if self.ratio >= 1.0:
+        if self.chosen == 0.0:
+            comparison = "gives no stiffness instead of"
+        elif self.ratio >= 1.0:
             comparison = f"gives {1e-9 * self.chosen:.3g} N/mm3, {self.ratio:.3g} times"
         else:
             comparison = f"gives {1e-9 * self.chosen:.3g} N/mm3, 1/{1.0 / self.ratio:.3g} of"

@@ -9,10 +9,12 @@ import numpy as np
 
 from stickslip.contact.stiffness.asperities import Roughness
 from stickslip.contact.stiffness.fractal import (
+    ContactStatus,
     ContactStiffness,
     FaceStiffness,
     StiffnessMode,
     fractal_contact,
+    why_no_stiffness,
 )
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.height_spectrum import HeightSpectrum
@@ -20,7 +22,7 @@ from stickslip.contact.stiffness.persson import PerssonStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 from stickslip.contact.stiffness.summits import BushGibsonThomasStiffness, GreenwoodWilliamsonStiffness
 from stickslip.contact.stiffness.tangential import TangentialRatio
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, RoughnessError
 from stickslip.core.validation import positive_number, real_number, require_choice
 
 RoughnessLaw = Literal["fractal", "persson", "greenwood-williamson", "bush-gibson-thomas"]
@@ -72,7 +74,8 @@ def contact_stiffness(
 
     Without ``law`` it is persson, the one that agrees best with boundary elements; with a ``mode`` alone it is fractal.
     ``tangential_law`` and ``form_length`` are of the first three, as in :func:`law_of_roughness`. Raises InputError for
-    values that are not usable.
+    values that are not usable; RoughnessError for a fully plastic face in the fractal mode varying-curvature, equation
+    8 as printed. In the mode consistent such a face has the stiffness of one round spot of its real area.
     """
     law = _chosen(law, mode)
     if law == "fractal":
@@ -82,7 +85,12 @@ def contact_stiffness(
                     f'{name} is {value!r}, but the law "fractal" has none. Choose another law, or omit it.',
                     arguments=[name],
                 )
-        return fractal_contact(roughness, load, mode or FIRST_MODE, area)
+        found = fractal_contact(roughness, load, mode or FIRST_MODE, area)
+        if found.normal == 0.0 and found.status is not ContactStatus.NO_CONTACT:
+            raise RoughnessError(
+                f"the fractal law gives the face no stiffness: {why_no_stiffness(roughness, load)}", arguments=["mode"]
+            )
+        return found
     if area is None:
         raise InputError(
             f'the law "{law}" requires the area of the face in m2. Give area; only law = "fractal" does without.',
