@@ -144,8 +144,8 @@ class Wear(Labelled):
         )
         yield (
             f"The amplitude goes from {_MICRO * first:.4g} to {_MICRO * last:.4g} µm ({_percent(last / first)}), "
-            f"between {_MICRO * self.amplitude.min():.4g} and {_MICRO * self.amplitude.max():.4g} µm; the frequency from "
-            f"{self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
+            f"between {_MICRO * self.amplitude.min():.4g} and {_MICRO * self.amplitude.max():.4g} µm; the frequency "
+            f"from {self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
         )
         if self.changes_stiffness:
             stiffness = self.total_normal_stiffness
