@@ -116,9 +116,8 @@ def fractal_contact(
     zero there (docs/theory_roughness.md, section 4).
 
     ``area`` in m2, the nominal one, is optional, for comparison with the real area. A fully plastic face in the mode
-    varying-curvature (equation 8 as printed) has zero stiffness: this describes the spots and is not the stiffness of a
-    contact, so :func:`contact_stiffness` and ``springs_of_pairs`` reject it. Raises InputError for values that are not
-    usable.
+    varying-curvature has zero stiffness: this describes the spots and is not the stiffness of a contact, so
+    :func:`contact_stiffness` and ``springs_of_pairs`` reject it. Raises InputError for values that are not usable.
     """
     found = published_contact(roughness, load, mode, area)
     if mode != "consistent" or found.status is not ContactStatus.FULLY_PLASTIC:
