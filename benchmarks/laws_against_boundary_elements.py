@@ -17,7 +17,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import stickslip as ss
-from stickslip.contact.stiffness.face_stiffness import persson_law
+from stickslip.contact.stiffness.face_stiffness import RoughnessLaw, persson_law
+from stickslip.contact.stiffness.fractal import StiffnessMode
 from stickslip.contact.stiffness.persson import PerssonStiffness
 from stickslip.core.errors import RoughnessError
 from stickslip.core.validation import FloatArray
@@ -65,7 +66,7 @@ def area_of(row: Row) -> float:
     return (row["waves"] * row["longest"]) ** 2
 
 
-def by_law(law: str, mode: str = "consistent") -> Callable[[Row], float]:
+def by_law(law: RoughnessLaw, mode: StiffnessMode | None = None) -> Callable[[Row], float]:
     """Stiffness per area of a case by a law of the package; nan where the law rejects the case."""
 
     def value(row: Row) -> float:
@@ -223,7 +224,7 @@ def picture(rows: list[Row]) -> Figure:
 
 def main(out: Path) -> None:
     """Print the tables and write the picture."""
-    for group in ("fit", "test", "wide"):
+    for group in ("fit", "test", "wide", "again"):
         rows, lost = read(group)
         print(f"\n{group}: {len(rows)} cases; left out: {lost}\n")
         print("\n".join([*table(rows), "", *parts(rows)]))

@@ -51,7 +51,7 @@ BLADES_WRONG = {
     "no contact left": (
         'centrifugal_force = "500 N"',
         'centrifugal_force = "0.5 mN"\n[roughness]\nfractal_roughness = "1e-7 m"\nfractal_dimension = 2.4\n'
-        'mode = "consistent"',
+        'mode = "varying-curvature"',
         "line 12 (roughness), line 11 (preload.centrifugal_force)",
     ),
 }  # fmt: skip

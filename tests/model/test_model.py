@@ -9,7 +9,7 @@ from castings import ROUGH_CASTING, casting_case
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.contact.stiffness.fractal import fractal_contact
-from stickslip.core.errors import InputError, RoughnessError
+from stickslip.core.errors import InputError
 from stickslip.model.model import Model, build_joint, build_model, build_structure
 from stickslip.model.rough_face import case_roughness
 from stickslip.structure.elasticity import Structure
@@ -103,10 +103,13 @@ def test_given_stiffness_is_spread_by_area(structure: Structure) -> None:
     assert joint.rough_faces == (None, None)
 
 
-def test_a_face_without_stiffness_is_rejected_with_advice(structure: Structure) -> None:
-    case = casting_case().replace({"roughness.fractal_dimension": 2.2})
-    with rejects(RoughnessError, "roughness", "preload.centrifugal_force"):
-        build_joint(case, structure)
+def test_a_fully_plastic_face_has_the_least_stiffness_of_its_real_area_and_a_message(structure: Structure) -> None:
+    joint = build_joint(casting_case().replace({"roughness.fractal_dimension": 2.2}), structure)
+    load, face = joint.face_sum(joint.preload), joint.rough_faces[0]
+    least = 2.0 * 108.2417582e9 * np.sqrt(load / (np.pi * 3e9))  # E* and hardness of the case
+    assert joint.face_sum(joint.normal_stiffness) == pytest.approx(least, rel=1e-6)
+    assert face is not None
+    assert face.messages[0].startswith("Fully plastic")
 
 
 def test_wrong_number_of_preloads_is_rejected(structure: Structure) -> None:

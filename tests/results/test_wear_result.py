@@ -59,6 +59,18 @@ def test_the_words_tell_what_wears_and_what_it_does() -> None:
     assert "NOT converged" in repr(wear_of(converged=False))
 
 
+def test_a_change_of_the_stiffness_is_told_from_a_thousandth_on() -> None:
+    """Also one that returns to its first value."""
+    rises = np.array([[1e7, 1e7], [1.5e7, 1e7], [3e7, 1e7]])
+    worn = wear_of(normal_stiffness=rises)
+    assert worn.changes_stiffness
+    assert worn.total_normal_stiffness == pytest.approx([2e7, 2.5e7, 4e7])
+    assert "from 2e+07 to 4e+07 N/m (+100 %), because" in list(worn.words())[2]
+    returns = wear_of(normal_stiffness=np.array([[1e7, 1e7], [1.5e7, 1e7], [1e7, 1e7]]))
+    assert returns.changes_stiffness
+    assert not wear_of(normal_stiffness=1e7 * np.array([[1.0, 1.0], [1.0005, 1.0], [1.001, 1.0]])).changes_stiffness
+
+
 def test_the_figure_shows_amplitude_frequency_and_depth() -> None:
     above, middle, below = wear_of().plot().axes
     assert above.lines[0].get_ydata() == pytest.approx([100.0, 80.0, 120.0])

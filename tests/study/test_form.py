@@ -59,6 +59,22 @@ def test_no_row_where_there_is_nothing_to_decide(changes: dict[str, object]) -> 
     assert list(form_warnings(case, with_gaps(joint, 1e-4 * np.cos(np.arange(joint.face_pairs.gap.size))))) == []
 
 
+def test_long_waves_that_decide_the_stiffness_are_reported_although_the_mesh_is_flat() -> None:
+    """The criterion is the believable band: a factor of 3 of the stiffness."""
+    case = TwoBladeCase().replace({"roughness.fractal_dimension": 2.1, "roughness.sample_length": "28 mm"})
+    assert isinstance(case, TwoBladeCase)
+    joint = load_joint(case, set_up(case).layout)
+    rows = {name: value for name, value, _, _ in derived_quantities(case, joint)}
+    face = joint.rough_faces[0]
+    assert face is not None
+    assert face.believable is not None
+    ratio = 1e9 * float(rows["Stiffness per unit area without these waves"]) / face.believable.persson
+    assert ratio > 3.0
+    sentences = [each for each in study_warnings(case, joint) if "Form or roughness" in each]
+    assert f"{ratio:.3g} times without" in sentences[0]
+    printed_sentence(sentences[0], "form_length", "sample_length")
+
+
 def test_gaps_as_high_as_the_long_waves_are_reported() -> None:
     case, joint = joint_of(dict(LONG))
     assert not any("Form or roughness" in sentence for sentence in study_warnings(case, joint))

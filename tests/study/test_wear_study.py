@@ -50,7 +50,11 @@ def test_run_writes_the_wear_and_its_section(tmp_path: Path) -> None:
     assert worn.normal_load[-1].sum() == pytest.approx(worn.normal_load[0].sum(), rel=1e-6)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<h2>Wear</h2>" in page
-    for name in ("wear-amplitude", "wear-frequency", "wear-depth", "wear-map-0", "wear-map-1"):
+    before, after = worn.normal_stiffness[[0, -1]].sum(axis=1)
+    said = "The normal stiffness of all pairs goes from"
+    assert said in page
+    assert f"{said} {before:.4g} to {after:.4g} N/m" in " ".join(worn.words())
+    for name in ("wear-amplitude", "wear-frequency", "wear-depth", "wear-stiffness", "wear-map-0", "wear-map-1"):
         assert f'id="{name}"' in page
     assert f"Wear: {worn.message}" in outcome.message
     tables = {table.name: table for table in study_tables(saved.response, saved.study)}

@@ -223,7 +223,10 @@ def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: Swept, t
 
 @pytest.mark.slow
 def test_cases_that_fail_are_rows_and_the_others_continue(swept: Swept, tmp_path: Path) -> None:
-    vary = {"roughness.fractal_roughness": ["1e-8 m", "1e-4 m"], "geometry.damper_length": ["28 mm", "40 mm"]}
+    vary: dict[str, list[float | int | str]] = {
+        "roughness.fractal_dimension": [2.4, 2.001],
+        "geometry.damper_length": ["28 mm", "40 mm"],
+    }
     case = quick_case().replace({"preload.centrifugal_force": 450})
     result = ss.sweep(case, vary, out=tmp_path, workers=1)
     good, long, rough, both = result.table.rows
@@ -235,8 +238,8 @@ def test_cases_that_fail_are_rows_and_the_others_continue(swept: Swept, tmp_path
     assert result.table.failed == (long, rough, both)
     assert result.case_files[1:] == (None, None, None)
     assert long.message in (tmp_path / "sweep.csv").read_text(encoding="utf-8")
-    with rejects(RoughnessError, "roughness.fractal_roughness"):
-        ss.sweep(case, {"roughness.fractal_roughness": ["1e-4 m"]}, workers=1)
+    with rejects(RoughnessError, "roughness", "preload.centrifugal_force"):
+        ss.sweep(case, {"roughness.fractal_dimension": [2.001]}, workers=1)
 
 
 @pytest.mark.slow

@@ -132,7 +132,7 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
     for pressure in PRESSURES:
         laws = compared(fractal, persson, pressure)
         low, high = (1e-9 * end for end in laws.band)
-        beside = f"{1e-9 * laws.chosen:.3g} N/mm3, {laws.ratio:.3g} of it" if laws.chosen else "none, all spots plastic"
+        beside = f"{1e-9 * laws.chosen:.3g} N/mm3, {laws.ratio:.3g} of it"
         table.append(
             (
                 f"{1e-6 * pressure:g} MPa",
@@ -148,12 +148,12 @@ def require_hardness(text: str) -> None:
 
 
 def contact_message(measured: MeasuredRoughness, hardness: str | None = None) -> str:
-    """A message on the load above which a face of this roughness has a contact stiffness; ``hardness`` with its unit.
+    """A message on the load above which a face of this roughness has elastic spots; ``hardness`` with its unit.
 
-    Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic and K = 0 in the
-    consistent and the varying-curvature mode. The material and, if ``hardness`` is None, the hardness are the defaults
-    of a study file, the waves those of the measurement. Raises InputError for a hardness that is not usable or a fit
-    without D and G.
+    Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic, and the fractal
+    law gives the stiffness of one round spot of the real area. The material and, if ``hardness`` is None, the hardness
+    are the defaults of a study file, the waves those of the measurement. Raises InputError for a hardness that is not
+    usable or a fit without D and G.
     """
     case = _case(measured, hardness)
     roughness = case_roughness(case, *[case_material(case)] * 2)
@@ -162,8 +162,8 @@ def contact_message(measured: MeasuredRoughness, hardness: str | None = None) ->
     return (
         f"With {origin}hardness {roughness.hardness / 1e9:g} GPa spots below the critical area "
         f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face with a load below {least:.3g} N has no "
-        "other spots, and the fractal law gives it no stiffness (its mode unloading and the default law do). Above "
-        "this load it has one; stickslip check shows it."
+        "other spots: there the fractal law gives only the stiffness of one round spot of the real area, a lower bound "
+        "(the default law and the mode unloading compute it from the waves)."
     )
 
 

@@ -26,7 +26,15 @@ from stickslip.core.units import LARGEST_STIFFNESS
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw, PressureLaw, pressure_law
 from stickslip.model.layout import Layout
-from stickslip.model.rough_face import RoughFace, case_roughness, law_of_section, rough_face, roughness_section
+from stickslip.model.rough_face import (
+    RoughFace,
+    case_roughness,
+    jump_warning,
+    law_of_section,
+    plastic_pressure,
+    rough_face,
+    roughness_section,
+)
 from stickslip.structure.mesh import IntArray
 
 # Pa; chosen: start of the iteration of the contact stiffness where the preload is solved.
@@ -119,6 +127,11 @@ class Joint:
             springs[members] = law.resting_springs()
         return springs.ravel()
 
+    @property
+    def faces_with_least_stiffness(self) -> tuple[bool, ...]:
+        """(n_faces,) whether all spots of a face are plastic, so that the fractal law has another branch there."""
+        return tuple(face is not None and face.has_least_stiffness for face in self.rough_faces)
+
     def contact_pairs(self, operator: FloatArray) -> ContactPairs:
         """The pairs as the solver takes them, with their operator (3 * n_pairs, n)."""
         coulomb = np.setdiff1d(np.arange(self.preload.size), [pair for _, _, group in self.laws for pair in group])
@@ -167,7 +180,11 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
     warnings = (
         ()
         if solved
-        else (*pressure_warnings(layout, preload, settings), *_length_warnings(case, settings, layout, laws))
+        else (
+            *pressure_warnings(layout, preload, settings),
+            *_jump_warnings(case, layout, preload, settings, rough_faces),
+            *_length_warnings(case, settings, layout, laws),
+        )
     )
     # A pair with a gap closes when it has moved by its gap; before that it has no load. The starting pressure of a
     # solved preload is on all pairs, only for the stiffness of rough faces.
@@ -240,6 +257,29 @@ def pressure_warnings(
     return tuple(sentences)
 
 
+def _jump_warnings(
+    case: Case,
+    layout: Layout,
+    preload: FloatArray,
+    settings: Sequence[FaceSettings],
+    rough_faces: Sequence[RoughFace | None],
+) -> Iterator[str]:
+    """Sentences on rough faces whose law jumps between the pressures of their pairs."""
+    pairs = layout.face_pairs
+    for face, (own, rough) in enumerate(zip(settings, rough_faces, strict=True)):
+        if rough is None or face_allocation(case, own) != "pressure":
+            continue
+        roughness = case_roughness(case, *layout.face_materials[face])
+        plastic, members = (
+            plastic_pressure(roughness, roughness_section(case), rough.reference_area),
+            pairs.face == face,
+        )
+        if plastic is not None:
+            sentence = jump_warning(plastic, pair_pressure(pairs.area[members], preload[members], "pressure"))
+            if sentence is not None:
+                yield f"{layout.face_names[face]}: {sentence}"
+
+
 def describe_faces(
     case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]
 ) -> tuple[RoughFace | None, ...]:
@@ -296,7 +336,8 @@ def _require_possible(name: str, *stiffness: float) -> None:
         if value > LARGEST_STIFFNESS:
             raise InputError(
                 f"{name}: the stiffness law gives the face {value:.3g} N/m, but at most {LARGEST_STIFFNESS:g} N/m is "
-                "possible. Check the units of the law and of the normal load."
+                "possible. Check the units of the law and of the normal load. If the roughness is pressed flat "
+                "(complete contact), connect the bodies there, or give the stiffness."
             )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.case.case import Case, OwnCase, TwoBladeCase
 from stickslip.case.sections import RoughnessSection
+from stickslip.contact.stiffness.asperities import fully_plastic_load
 from stickslip.contact.stiffness.believable import Believable, compared
 from stickslip.contact.stiffness.face_stiffness import law_of_roughness, persson_law
 from stickslip.contact.stiffness.fractal import (
@@ -23,6 +24,7 @@ from stickslip.contact.stiffness.scaled_law import ScaledStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 from stickslip.contact.stiffness.surface import SurfaceStatistics, SurfaceWaves, surface_statistics
 from stickslip.core.errors import InputError, concerning, keys_of_section
+from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Material
 
 
@@ -42,6 +44,12 @@ class RoughFace:
     def believable(self) -> Believable | None:
         """The law of the study against Persson's; None for a face without load."""
         return compared(self.law, self.persson, self.pressure) if self.pressure > 0.0 else None
+
+    @property
+    def has_least_stiffness(self) -> bool:
+        """Whether the study uses the least stiffness of the real area, because all spots are plastic. The law jumps
+        where elastic spots begin."""
+        return self.law_name == "fractal" and self.stiffness.is_least
 
     @cached_property
     def messages(self) -> tuple[str, ...]:
@@ -67,6 +75,26 @@ def rough_face(roughness: Roughness, section: RoughnessSection, area: float, loa
         law_of_section(roughness, section, area),
         persson_law(roughness, area, section.form_length),
         pressure,
+    )
+
+
+def plastic_pressure(roughness: Roughness, section: RoughnessSection, reference_area: float) -> float | None:
+    """Pa, up to which all spots of a face are plastic, where the law of the study depends on that; else None."""
+    if section.law != "fractal" or section.mode == "unloading":
+        return None
+    return fully_plastic_load(roughness) / reference_area
+
+
+def jump_warning(plastic: float, pressure: FloatArray) -> str | None:
+    """A warning if some of the pairs, under their pressures (k,) in Pa, have plastic spots alone and others not."""
+    count = np.count_nonzero(pressure <= plastic)
+    if not 0 < count < pressure.size:
+        return None
+    return (
+        f"Plastic pairs: under their own pressure {count} of {pressure.size} pairs have plastic spots alone, and the "
+        "stiffness of one round spot of their real area; the others have elastic spots, of which the first ones have "
+        f"almost no stiffness. So the fractal law jumps at {1e-6 * plastic:.3g} MPa, between the pairs. "
+        'law = "persson" and mode = "unloading" have no jump.'
     )
 
 

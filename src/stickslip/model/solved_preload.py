@@ -10,7 +10,6 @@ import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.normal_law import FaceLaws, NormalLaw, PressureGapLaw, SpringLaw
-from stickslip.contact.stiffness.asperities import fully_plastic_load
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import (
@@ -23,7 +22,7 @@ from stickslip.model.joint import (
     pressure_warnings,
 )
 from stickslip.model.loaded_laws import laws_at_rest, with_loaded_laws, without_loaded_laws
-from stickslip.model.rough_face import case_roughness
+from stickslip.model.rough_face import case_roughness, plastic_pressure
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.substructure import Substructure, rows_of_mean
@@ -34,9 +33,11 @@ if TYPE_CHECKING:
 
 # chosen: the stiffness of a pair is constant below this fraction of the mean pressure of its face, because the law
 # vanishes at zero pressure, and below this multiple of the pressure at which all spots are plastic, where it vanishes
-# too.
+# too. On a face whose mean pressure leaves all spots plastic, no pair has a pressure above that one. So the pairs of a
+# face never stand on both sides of it, where the law jumps.
 LOWEST_PRESSURE = 0.01
 LOWEST_ABOVE_PLASTIC = 2.0
+HIGHEST_BELOW_PLASTIC = 1.0 - 1e-9  # the law jumps at 1
 SECANT_WARNING = (
     'allocation = "pressure" with a solved preload uses the stiffness at the pressure of a pair as a linear spring '
     "from zero load, N = A kappa(p) closure. The curve of a rough face is flatter at first, so this concentrates the "
@@ -67,7 +68,7 @@ class SolvedPreload:
         """The contact pairs about one of the two states at rest, with its tractions ``kept`` or released."""
         pairs = state.about(self.unloaded, keep_traction=kept)
         pairs = ContactPairs.with_laws(self.operator, pairs.laws, pairs.members)
-        return with_loaded_laws(self.joint, pairs, _lowest_load(self.case, self.joint, state.normal_force))
+        return with_loaded_laws(self.joint, pairs, _load_range(self.case, self.joint, state.normal_force)[0])
 
 
 def solve_preload(
@@ -128,10 +129,10 @@ def _state(
         return static_preload(superelement, pairs, load, friction=friction)
 
     def local(normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return pair_springs(case, joint.layout, _with_floor(case, joint, settings, normal_force), settings)
+        return pair_springs(case, joint.layout, _with_range(case, joint, settings, normal_force), settings)
 
     def local_of_each_pair(normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        load = np.maximum(normal_force, _lowest_load(case, joint, normal_force))
+        load = np.clip(normal_force, *_load_range(case, joint, normal_force))
         return pair_springs(case, joint.layout, load, settings, of_each_pair=True)
 
     state = static_preload(superelement, pairs, load, friction=friction, local_stiffness=local)
@@ -153,33 +154,40 @@ def _mean_pressure(joint: Joint, normal_force: FloatArray) -> FloatArray:
     return pressure
 
 
-def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
-    """(n_faces,) Pa, below which the stiffness of a pair is constant; never above the mean pressure."""
+def _pressure_range(case: Case, joint: Joint, normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n_faces,) Pa, below and above which the stiffness of a pair is constant; the mean pressure lies between."""
     mean = _mean_pressure(joint, normal_force)
-    lowest = LOWEST_PRESSURE * mean
+    lowest, highest = LOWEST_PRESSURE * mean, np.full(mean.size, np.inf)
     for face, rough in enumerate(joint.rough_faces):
         section = case.roughness
-        if rough is not None and section is not None and section.law == "fractal" and section.mode != "unloading":
-            load = fully_plastic_load(case_roughness(case, *joint.layout.face_materials[face]))
-            plastic = load / rough.reference_area
+        if rough is None or section is None:
+            continue
+        roughness = case_roughness(case, *joint.layout.face_materials[face])
+        plastic = plastic_pressure(roughness, section, rough.reference_area)
+        if plastic is None:
+            continue
+        if mean[face] <= plastic:
+            highest[face] = max(HIGHEST_BELOW_PLASTIC * plastic, mean[face])
+        else:
             lowest[face] = min(max(lowest[face], LOWEST_ABOVE_PLASTIC * plastic), mean[face])
-    return lowest
+    return lowest, highest
 
 
-def _with_floor(case: Case, joint: Joint, settings: Sequence[FaceSettings], normal_force: FloatArray) -> FloatArray:
-    """Normal forces (n_pairs,) for the stiffness law: if it uses the pressure of each pair, at least the lowest.
+def _with_range(case: Case, joint: Joint, settings: Sequence[FaceSettings], normal_force: FloatArray) -> FloatArray:
+    """Normal forces (n_pairs,) for the stiffness law: if it uses the pressure of each pair, in the range of its face.
 
-    Open pairs have this pressure too, so that their stiffness does not jump when they close.
+    Open pairs have the lowest pressure too, so that their stiffness does not jump when they close.
     """
     own_pressure = np.array([own.is_pressed and face_allocation(case, own) == "pressure" for own in settings])
-    least = _lowest_load(case, joint, normal_force)
-    return np.where(own_pressure[joint.face_pairs.face], np.maximum(normal_force, least), normal_force)
+    bounded = np.clip(normal_force, *_load_range(case, joint, normal_force))
+    return np.where(own_pressure[joint.face_pairs.face], bounded, normal_force)
 
 
-def _lowest_load(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
-    """(n_pairs,) N of each pair under the lowest pressure of its face."""
+def _load_range(case: Case, joint: Joint, normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n_pairs,) N of each pair under the lowest and the highest pressure of its face."""
     pairs = joint.face_pairs
-    return _lowest_pressure(case, joint, normal_force)[pairs.face] * pairs.area
+    lowest, highest = _pressure_range(case, joint, normal_force)
+    return lowest[pairs.face] * pairs.area, highest[pairs.face] * pairs.area
 
 
 def _pressure_warnings(
@@ -187,11 +195,11 @@ def _pressure_warnings(
 ) -> tuple[str, ...]:
     """Messages of stiffness laws on the pressures at rest; on a pressure-gap curve each pair has its own."""
     if case.preload.normal_law == "spring":
-        return pressure_warnings(joint.layout, _with_floor(case, joint, settings, state.normal_force), settings)
-    least = _lowest_load(case, joint, state.normal_force)
+        return pressure_warnings(joint.layout, _with_range(case, joint, settings, state.normal_force), settings)
+    least, largest = _load_range(case, joint, state.normal_force)
     # The curve of pressure over closure begins at the lowest pressure.
     both = (
-        *pressure_warnings(joint.layout, np.maximum(state.normal_force, least), settings, of_each_pair=True),
+        *pressure_warnings(joint.layout, np.clip(state.normal_force, least, largest), settings, of_each_pair=True),
         *pressure_warnings(joint.layout, least, settings, of_each_pair=True),
     )
     return tuple(dict.fromkeys(both))
@@ -199,8 +207,9 @@ def _pressure_warnings(
 
 def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> NormalLaw:
     """Pressure over closure of each face, from its stiffness law; springs if its stiffness is an input."""
-    pairs, mean = joint.face_pairs, _mean_pressure(joint, state.normal_force)
-    lowest = _lowest_pressure(case, joint, state.normal_force)
+    pairs = joint.face_pairs
+    lowest, highest = _pressure_range(case, joint, state.normal_force)
+    highest = np.minimum(highest, HIGHEST_PRESSURE * _mean_pressure(joint, state.normal_force))
     laws: list[NormalLaw] = []
     for face, own in enumerate(settings):
         members = pairs.face == face
@@ -209,6 +218,5 @@ def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings]
             laws.append(SpringLaw(joint.normal_stiffness[members]))
             continue
         stiffness = face_law(case, joint.layout, face, own).normal
-        highest = HIGHEST_PRESSURE * mean[face]
-        laws.append(PressureGapLaw.from_stiffness(area, stiffness, lowest[face], highest))
+        laws.append(PressureGapLaw.from_stiffness(area, stiffness, lowest[face], highest[face]))
     return FaceLaws(pairs.face, tuple(laws))

@@ -56,6 +56,12 @@ def _figures(view: View) -> dict[str, Figure]:
             yaxis=axis_look("Both faces, µm", rangemode="tozero"),
         ),
     }  # fmt: skip
+    if wear.changes_stiffness:
+        figures["wear-stiffness"] = figure_of(
+            [_line("normal stiffness", wear, 1e-6 * wear.total_normal_stiffness, "N/µm", INK)], 320,
+            hovermode="closest", showlegend=False, xaxis=across,
+            yaxis=axis_look("All pairs, N/µm", rangemode="tozero"),
+        )  # fmt: skip
     if wear.open_pairs.any():
         figures["wear-open"] = figure_of(
             [_line("open pairs", wear, wear.open_pairs.astype(float), "pairs", INK)], 320, hovermode="closest",
@@ -95,6 +101,7 @@ def _values(view: View) -> dict[str, Any]:
         "cycles": number(float(_wear(view).cycles[-1]), 3),
         "face_names": view.study.face_names,
         "opens": bool(_wear(view).open_pairs.any()),
+        "changes_stiffness": _wear(view).changes_stiffness,
     }
 
 
@@ -106,12 +113,15 @@ WEAR = Section(
     {{ parts.figure("wear-amplitude", "Amplitude", "Amplitude against cycles of wear") }}
     {{ parts.figure("wear-frequency", "Frequency", "Frequency of the motion against cycles of wear") }}
     {{ parts.figure("wear-depth", "Worn depth", "Worn depth against cycles") }}
+    {%- if changes_stiffness %}
+    {{ parts.figure("wear-stiffness", "Normal stiffness", "Normal stiffness of all pairs against cycles of wear") }}
+    {%- endif %}
     {%- if opens %}
     {{ parts.figure("wear-open", "Open pairs", "Pairs without load at rest against cycles") }}
     {%- endif %}
   </div>
-  <p class="note">Worn depth after {{ cycles }} cycles, both faces of a pair together. Hollow pairs have no load at rest
-  any more.</p><div class="maps">
+  <p class="note after">Worn depth after {{ cycles }} cycles, both faces of a pair together. Hollow pairs have no load
+  at rest any more.</p><div class="maps">
 {%- for name in face_names %}
 {{ parts.figure("wear-map-" ~ loop.index0, name, "Worn depth, " ~ name) }}
 {%- endfor -%}

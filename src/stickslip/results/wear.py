@@ -120,6 +120,17 @@ class Wear(Labelled):
         """(n_states,) number of pairs without a load at rest."""
         return np.asarray((self.normal_load == 0.0).sum(axis=1))
 
+    @property
+    def total_normal_stiffness(self) -> FloatArray:
+        """(n_states,) N/m, sum over all pairs."""
+        return np.asarray(self.normal_stiffness.sum(axis=1))
+
+    @property
+    def changes_stiffness(self) -> bool:
+        """Whether the total normal stiffness leaves its first value by more than 0.1 %."""
+        total = self.total_normal_stiffness
+        return bool((np.abs(total - total[0]) > 1e-3 * total[0]).any())
+
     def words(self) -> Iterator[str]:
         """Sentences on what wears, and what it does to the motion."""
         first, last = self.amplitude[0], self.amplitude[-1]
@@ -131,12 +142,18 @@ class Wear(Labelled):
             f"{_MICRO * self.depth[-1].max():.3g} µm, {_MICRO * self.mean_depth[-1]:.3g} µm in the mean, in all "
             f"{_CUBIC_MILLI * self.volume[-1]:.3g} mm³."
         )
-        change = 100.0 * (last / first - 1.0)
         yield (
-            f"The amplitude goes from {_MICRO * first:.4g} to {_MICRO * last:.4g} µm ({change:+.2g} %), between "
-            f"{_MICRO * self.amplitude.min():.4g} and {_MICRO * self.amplitude.max():.4g} µm; the frequency from "
-            f"{self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
+            f"The amplitude goes from {_MICRO * first:.4g} to {_MICRO * last:.4g} µm ({_percent(last / first)}), "
+            f"between {_MICRO * self.amplitude.min():.4g} and {_MICRO * self.amplitude.max():.4g} µm; the frequency "
+            f"from {self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
         )
+        if self.changes_stiffness:
+            stiffness = self.total_normal_stiffness
+            yield (
+                f"The normal stiffness of all pairs goes from {stiffness[0]:.4g} to {stiffness[-1]:.4g} N/m "
+                f"({_percent(stiffness[-1] / stiffness[0])}), because roughness runs in or loads move "
+                "between the pairs."
+            )
         before, after = int(self.open_pairs[0]), int(self.open_pairs[-1])
         if after or before:
             yield f"Pairs without load at rest: {before} of {self.area.size} before, {after} after."
@@ -184,3 +201,9 @@ class Wear(Labelled):
     def load(cls, path: str | PathLike[str]) -> Wear:
         """Read a file of :meth:`save`; the object is equal. Raises ResultsFileError."""
         return read_groups(path, cls.from_group)
+
+
+def _percent(ratio: float) -> str:
+    """The change to this multiple: "-28 %", "+120 %"."""
+    change = 100.0 * (ratio - 1.0)
+    return f"{change:+.2g} %" if abs(change) < 99.5 else f"{change:+.0f} %"

@@ -14,6 +14,7 @@ import numpy as np
 
 from stickslip.case.case import Case
 from stickslip.contact.pairing.face_pairs import FacePairs
+from stickslip.contact.stiffness.believable import BAND
 from stickslip.contact.stiffness.height_spectrum import HeightSpectrum
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Derived
@@ -87,15 +88,25 @@ def form_rows(case: Case, joint: Joint) -> Iterator[Derived]:
 
 
 def form_warnings(case: Case, joint: Joint) -> Iterator[str]:
-    """A warning for each face whose gaps are as high as waves that its stiffness law contains too."""
+    """A warning for each face whose gaps are as high as waves that its stiffness law contains too, and for each face
+    whose stiffness such waves decide although its mesh has none."""
     for name, waves in _all_long_waves(case, joint):
+        ratio = waves.stiffness_below / waves.stiffness
         if waves.form_of_mesh > SIMILAR_HEIGHT * waves.sq:
             yield (
                 f"Form or roughness: {name} has gaps with a root mean square of {1e6 * waves.form_of_mesh:.3g} um in "
                 f"the mesh, and its stiffness law contains waves of {1e6 * waves.sq:.3g} um that are longer than "
                 f"{1e3 * waves.shortest:.3g} mm, which the pairs could carry. If the gaps are these waves, they count "
                 f'twice: set roughness.form_length = "{1e3 * waves.shortest:.3g} mm", with which the stiffness is '
-                f"{waves.stiffness_below / waves.stiffness:.3g} times. If they are another form, nothing is to be done."
+                f"{ratio:.3g} times. If they are another form, nothing is to be done."
+            )
+        elif ratio > BAND:
+            yield (
+                f"Form or roughness: waves longer than {1e3 * waves.shortest:.3g} mm, two spacings of the pairs, "
+                f"decide the stiffness of {name}: {1e-9 * waves.stiffness:.3g} N/mm3 with them, {ratio:.3g} times "
+                "without. Such waves let the face touch in few places, but the law distributes their stiffness evenly "
+                "over the pairs. If they are form, give them to the mesh as gaps, and set roughness.form_length = "
+                f'"{1e3 * waves.shortest:.3g} mm"; if sq was measured behind a cut-off, set sample_length to it.'
             )
 
 

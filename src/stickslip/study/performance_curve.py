@@ -113,8 +113,8 @@ def performance_curve(
     excitation = case.excitation.amplitude
     least, low, high = (ratio * excitation for ratio in (LEAST_RATIO, LOWEST_RATIO, HIGHEST_RATIO))
     family = CaseFamily.of(case, KEY)
-    lowest = _lowest_force(family, model, min(least, force), force)
-    bounds = max(lowest, min(low, force)), max(high, force)
+    lowest = _last_possible(family, model, min(least, force), force)
+    bounds = max(lowest, min(low, force)), _last_possible(family, model, max(high, force), force)
     report = StageReport(lambda fraction, detail: progress.update("Performance curve", fraction, detail))
     found = _high_peaks(model, response)
     options = ridge_options(case, TOLERANCE, _harmonics_of(found, response))
@@ -170,28 +170,32 @@ def _with_check(curve: PeakRidge, check: CheckedPeak | str | None) -> PeakRidge:
 
 
 def _beginning(start: float, lowest: float, wanted: float) -> tuple[str, ...]:
-    """A sentence on a curve that ends at the lowest force with a contact stiffness, above the one wanted."""
+    """A sentence on a curve that ends at the lowest possible force, above the one wanted."""
     if lowest == wanted or start > lowest * LOWEST_FORCE_TO:
         return ()
-    return (f"Below {lowest:.3g} N the roughness gives the faces no contact stiffness, so the curve begins there.",)
+    return (
+        f"Below {lowest:.3g} N all contact spots of the rough faces are plastic. There the fractal law jumps or has no "
+        "stiffness, so the curve begins there.",
+    )
 
 
-def _lowest_force(family: CaseFamily, model: ReducedModel, low: float, force: float) -> float:
-    """The lowest centrifugal force from ``low`` to that of the case for which the joint has a stiffness: rough faces
-    have none under small loads."""
+def _last_possible(family: CaseFamily, model: ReducedModel, wanted: float, force: float) -> float:
+    """The centrifugal force next to ``wanted`` up to which, from ``force`` of the case on, the joint has a stiffness
+    that does not jump: the fractal law does where all spots become plastic."""
+    branch = load_joint(family.at(force), model.joint.layout).faces_with_least_stiffness
 
     def is_possible(value: float) -> bool:
         try:
-            load_joint(family.at(value), model.joint.layout)
+            joint = load_joint(family.at(value), model.joint.layout)
         except RoughnessError:
             return False
-        return True
+        return joint.faces_with_least_stiffness == branch
 
-    if is_possible(low):
-        return low
-    while force / low > LOWEST_FORCE_TO:
-        middle = math.sqrt(low * force)
-        low, force = (low, middle) if is_possible(middle) else (middle, force)
+    if is_possible(wanted):
+        return wanted
+    while max(force / wanted, wanted / force) > LOWEST_FORCE_TO:
+        middle = math.sqrt(wanted * force)
+        wanted, force = (wanted, middle) if is_possible(middle) else (middle, force)
     return force
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from stickslip.case.case import Case, CyclicCase
 from stickslip.case.key_kinds import kind_of_key
 from stickslip.core.completeness import reported
-from stickslip.core.errors import InputError, concerning
+from stickslip.core.errors import InputError, RoughnessError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.core.units import Quantity
+from stickslip.model.joint import Joint
 from stickslip.model.layout import Layout
 from stickslip.model.model import ReducedModel, build_model, connect, load_joint, set_up
 from stickslip.results.peak_ridge import PeakRidge
@@ -126,7 +128,8 @@ def checked_range(
 ) -> tuple[CaseFamily, tuple[float, float]]:
     """The family of a key and its range in SI units, after a check that both ends have a structure and a joint.
 
-    Raises InputError, StudyFileError, and RoughnessError where the roughness gives no usable contact.
+    Raises InputError, StudyFileError, and RoughnessError where the roughness gives no usable contact, or where a face
+    has plastic spots alone at one end and elastic ones at the other: the fractal law jumps between.
     """
     if isinstance(case, CyclicCase):
         raise InputError(
@@ -136,11 +139,24 @@ def checked_range(
         )
     family = CaseFamily.of(case, key)
     bounds = family.bounds(limits)
-    for value in bounds:
-        changed = family.at(value)
-        with concerning(key):
+    with concerning(key):
+        joints = [
             load_joint(changed, set_up(changed).layout if family.changes_structure else layout)
+            for changed in map(family.at, bounds)
+        ]
+        _require_no_jump(joints)
     return family, bounds
+
+
+def _require_no_jump(joints: Sequence[Joint]) -> None:
+    """Raise RoughnessError if the contact stiffness jumps between the two ends of a range."""
+    first, last = (joint.faces_with_least_stiffness for joint in joints)
+    if first != last:
+        raise RoughnessError(
+            "at one end of the range a face has plastic contact spots alone, at the other end elastic ones too, and "
+            "the fractal law jumps between them, so no ridge can pass. Narrow the range to one side, or use "
+            'roughness.law = "persson" or roughness.mode = "unloading", which have no jump.'
+        )
 
 
 def ridge(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rough_faces import MINDLIN, NOMINAL_AREA, pair_stiffness, rough
+from rough_faces import HARDNESS, MINDLIN, NOMINAL_AREA, REDUCED_MODULUS, pair_stiffness, rough
 from sentences import rejects
-from stickslip.contact.stiffness.fractal import StiffnessMode, fractal_contact
+from stickslip.contact.stiffness.fractal import StiffnessMode, fractal_contact, published_contact
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import Allocation, springs_of_pairs
 from stickslip.core.errors import RoughnessError
@@ -83,10 +83,22 @@ def test_open_pairs_get_the_stiffness_of_the_mean_pressure() -> None:
     assert normal[0] == pytest.approx(fractal_contact(rough(), 800.0).normal / 4, rel=1e-12)
 
 
-def test_a_pair_under_too_little_pressure_is_rejected() -> None:
+def test_a_pair_under_too_little_pressure_for_elastic_spots_has_the_least_stiffness_of_its_real_area() -> None:
+    """The others keep that of their elastic spots, as if each were alone on the face."""
+    area, load = np.full(4, NOMINAL_AREA / 4), np.array([200.0, 100.0, 1.0, 50.0])
+    normal, tangential = pair_stiffness(rough(), area, load, allocation="pressure")
+    least = 2 * REDUCED_MODULUS * np.sqrt(4.0 / (np.pi * HARDNESS))  # of the face under this pressure, 4 N
+    assert normal[2] == pytest.approx(least / 4, rel=1e-9)
+    assert normal[[0, 1, 3]] == pytest.approx(
+        [published_contact(rough(), 4 * each).normal / 4 for each in load[[0, 1, 3]]], rel=1e-13
+    )
+    assert tangential / normal == pytest.approx(MINDLIN, rel=1e-12)
+
+
+def test_a_pair_under_too_little_pressure_is_rejected_by_equation_8() -> None:
     area = np.full(4, NOMINAL_AREA / 4)
     with rejects(RoughnessError):
-        pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="pressure")
+        pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="pressure", mode="varying-curvature")
     assert np.all(pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="area")[0] > 0)
 
 

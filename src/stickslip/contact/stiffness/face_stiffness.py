@@ -74,8 +74,8 @@ def contact_stiffness(
 
     Without ``law`` it is persson, the one that agrees best with boundary elements; with a ``mode`` alone it is fractal.
     ``tangential_law`` and ``form_length`` are of the first three, as in :func:`law_of_roughness`. Raises InputError for
-    values that are not usable; RoughnessError for a fully plastic face in the fractal modes consistent and
-    varying-curvature. These count the elastic spots alone, but plastic spots respond to a small oscillation too.
+    values that are not usable; RoughnessError for a fully plastic face in the fractal mode varying-curvature. In the
+    mode consistent such a face has the stiffness of one round spot of its real area.
     """
     law = _chosen(law, mode)
     if law == "fractal":

@@ -31,6 +31,7 @@ __all__ = [
     "ContactStiffness",
     "Roughness",
     "fractal_contact",
+    "published_contact",
     "reduced_modulus",
 ]
 
@@ -58,6 +59,7 @@ class ContactStatus(StrEnum):
     VALID = "valid"
 
 
+WORST_FIRST = tuple(ContactStatus)
 Finding = tuple[ContactStatus, str]  # the status, and a message with numbers
 
 
@@ -79,6 +81,7 @@ class ContactStiffness(FaceStiffness):
     real_area: float  # A_r in m2
     plastic_load_share: float  # load on plastic spots over the whole load
     status: ContactStatus  # the worst of all findings
+    is_least: bool = False  # the stiffness is the least of a contact with the area A_r, because all spots are plastic
 
 
 def reduced_modulus(
@@ -105,6 +108,40 @@ def fractal_contact(
 ) -> ContactStiffness:
     """The fractal contact of a face under ``load`` (N), with its stiffness (N/m); all zero for a load <= 0.
 
+    The stiffness is that of :func:`published_contact`. Only the mode consistent has another one for a face whose spots
+    are all plastic, where the published sum is zero: plastic spots respond elastically to a small oscillation, and no
+    contact of the real area A_r is softer than one round spot of it,
+        K_n = 2 E* sqrt(A_r/pi),   K_t = K_n 2(1-nu)/(2-nu).
+    Its message says so. Where the first elastic spots begin, K_n therefore falls to the published sum, which begins at
+    zero there (docs/theory_roughness.md, section 4).
+
+    ``area`` in m2, the nominal one, is optional, for comparison with the real area. A fully plastic face in the mode
+    varying-curvature has zero stiffness: this describes the spots and is not the stiffness of a contact, so
+    :func:`contact_stiffness` and ``springs_of_pairs`` reject it. Raises InputError for values that are not usable.
+    """
+    found = published_contact(roughness, load, mode, area)
+    if mode != "consistent" or found.status is not ContactStatus.FULLY_PLASTIC:
+        return found
+    normal = 2.0 * roughness.reduced_modulus * sqrt(found.real_area / pi)
+    message = (
+        f"{found.messages[0]} The stiffness, {normal:.3g} N/m, is that of one round spot of the real area, "
+        "2 E* sqrt(A_r/pi): plastic spots respond elastically to a small oscillation, and no contact of this area is "
+        'softer, but it can be stiffer. law = "persson" and mode = "unloading" compute it from the waves.'
+    )
+    return replace(
+        found,
+        normal=normal,
+        tangential=tangential_ratio("mindlin", roughness.poisson_ratio) * normal,
+        messages=(message, *found.messages[1:]),
+        is_least=True,
+    )
+
+
+def published_contact(
+    roughness: Roughness, load: float, mode: StiffnessMode = "consistent", area: float | None = None
+) -> ContactStiffness:
+    """The spots of a face and the stiffness (N/m) that the published sums give them; see :func:`fractal_contact`.
+
     consistent: K_n is the sum of dF/ddelta = 2 E* r over the elastic spots alone, at fixed curvature (Hertz),
         K_n = sqrt(2/pi) E* b,   b = psi^((2-d)/2) d/(d-1) [a_l'^(d/2) a_c'^((1-d)/2) - a_l'^(1/2)],   d = D - 1.
     varying-curvature: K_n is the sum of (dF_e/dr') / (ddelta/dr') along the family of spots, whose curvature varies
@@ -114,10 +151,8 @@ def fractal_contact(
     K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
     Derivation and sources: docs/theory_roughness.md, sections 2 to 4.
 
-    ``area`` in m2, the nominal one, is optional, for comparison with the real area. A pressed face whose spots are all
-    plastic has zero stiffness in the first two modes, with its status and message: this describes the spots and is not
-    the stiffness of a contact, so :func:`contact_stiffness` and ``springs_of_pairs`` reject it. Raises InputError for
-    values that are not usable.
+    A pressed face whose spots are all plastic has zero stiffness in the first two modes. Raises InputError for values
+    that are not usable.
     """
     require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
@@ -130,8 +165,7 @@ def fractal_contact(
         return ContactStiffness(0.0, 0.0, (message,), critical_area, 0.0, 0.0, 0.0, ContactStatus.NO_CONTACT)
     spots = spots_under_load(roughness, load, log_smallest)
     normal, tangential = _spot_stiffness(spots, mode)
-    worst_first = list(ContactStatus)
-    findings = sorted(_findings(spots, load, mode, area), key=lambda finding: worst_first.index(finding[0]))
+    findings = sorted(_findings(spots, load, mode, area), key=lambda finding: WORST_FIRST.index(finding[0]))
     return ContactStiffness(
         normal=normal,
         tangential=tangential,
@@ -199,7 +233,13 @@ def _plasticity_findings(spots: SpotPopulation, load: float, mode: StiffnessMode
     log_critical, shortest = log_critical_area(spots.roughness), spots.roughness.shortest_length
     if spots.log_largest <= log_critical:
         consequence = "The contact law then gives no stiffness at all."
-        if mode == "unloading":
+        if mode == "consistent":
+            enough, finer = _elastic_limits(spots.roughness, load)
+            consequence = (
+                f"Elastic spots require a load above {enough} N, or G below {finer} m. If G is from a publication, "
+                "check its unit: m and mm differ by a factor of 1000."
+            )
+        elif mode == "unloading":
             consequence = "Only plastic spots in unloading give stiffness, and the shortest wave determines it."
         yield (
             ContactStatus.FULLY_PLASTIC,
@@ -268,14 +308,18 @@ def _asperity_slope(spots: SpotPopulation) -> float:
     return exp(log_slope) if log_slope < LOG_LARGEST_NUMBER else inf
 
 
+def _elastic_limits(roughness: Roughness, load: float) -> tuple[str, str]:
+    """The load in N above which a face has elastic spots, and the G in m below which it has them under ``load`` (N)."""
+    needed = fully_plastic_load(roughness)
+    finer = roughness.fractal_roughness * sqrt(load / needed)
+    return _rounded(needed, 4, ROUND_CEILING), _rounded(finer, 3, ROUND_FLOOR)
+
+
 def why_no_stiffness(roughness: Roughness, load: float) -> str:
-    """Why the modes of elastic spots give a face under ``load`` (N) no stiffness; which load, G or law gives it one."""
-    needed, scale = fully_plastic_load(roughness), roughness.fractal_roughness
-    enough = _rounded(needed, 4, ROUND_CEILING)
-    ways = [
-        f"raise the load above {enough} N",
-        f"set G below {_rounded(scale * sqrt(load / needed), 3, ROUND_FLOOR)} m",
-    ]
+    """Why the published sums give a fully plastic face under ``load`` (N) no stiffness; which load, G or law does."""
+    scale = roughness.fractal_roughness
+    enough, finer = _elastic_limits(roughness, load)
+    ways = [f"raise the load above {enough} N", f"set G below {finer} m"]
     dimension = _least_dimension(roughness, load)
     if dimension is not None:
         ways.append(f"raise D to {dimension:g} (a smoother face)")

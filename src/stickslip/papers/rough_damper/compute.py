@@ -8,10 +8,14 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from stickslip.core.errors import ResultsFileError, StickslipError
+from stickslip.case.case import Case
+from stickslip.contact.stiffness.fractal import why_no_stiffness
+from stickslip.core.errors import ResultsFileError, RoughnessError, StickslipError
 from stickslip.core.files import write_solved
 from stickslip.core.progress import Progress
+from stickslip.model.joint import Joint
 from stickslip.model.model import connect, load_joint, set_up
+from stickslip.model.rough_face import case_roughness
 from stickslip.model.study_structure import ReducedStructure
 from stickslip.papers.rough_damper.plan import Computation, Setting
 from stickslip.papers.rough_damper.records import Solved, record
@@ -84,6 +88,17 @@ def solve_setting(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     return CaseOutcome(response.converged, response.message, {}, file=solved.to_bytes(task.key))
 
 
+def _require_published_stiffness(case: Case, joint: Joint) -> None:
+    """Raise RoughnessError for a face to which the published sums give no stiffness.
+
+    Other studies use the least stiffness of its real area. This one is about the published equations.
+    """
+    for face, materials in zip(joint.rough_faces, joint.layout.face_materials, strict=True):
+        if face is not None and face.has_least_stiffness:
+            reason = why_no_stiffness(case_roughness(case, *materials), face.pressure * face.reference_area)
+            raise RoughnessError(f"the published sums give a face no stiffness: {reason}")
+
+
 class _Run:
     """The computations and their outcomes so far."""
 
@@ -123,6 +138,7 @@ class _Run:
             group = groups[planned.structure]
             try:
                 joint = load_joint(planned.case, group.setup.layout)
+                _require_published_stiffness(planned.case, joint)
             except StickslipError as error:
                 self.failures.append(Failure(each.setting, str(error)))
                 continue

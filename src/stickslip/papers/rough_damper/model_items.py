@@ -9,7 +9,7 @@ from math import cos
 import numpy as np
 
 from stickslip.case.case import TwoBladeCase
-from stickslip.contact.stiffness.fractal import ContactStatus, ContactStiffness, Roughness, fractal_contact
+from stickslip.contact.stiffness.fractal import ContactStatus, ContactStiffness, Roughness, published_contact
 from stickslip.contact.stiffness.surface import draw_phases, fractal_surface, frequency_count, surface_statistics
 from stickslip.core.validation import FloatArray
 from stickslip.model.rough_face import case_material, case_roughness, roughness_section, waves_of
@@ -209,7 +209,7 @@ def _roughness(case: TwoBladeCase) -> Roughness:
 def _stiffness(base: TwoBladeCase, dimension: float, scale: float, load: float, law: str) -> ContactStiffness:
     force, area = _face_load(base, load)
     roughness = _roughness(rough_case(base, dimension, scale))
-    return fractal_contact(roughness, force, mode=MODES[law], area=area)
+    return published_contact(roughness, force, mode=MODES[law], area=area)
 
 
 def stiffness_item(base: TwoBladeCase) -> Item:
