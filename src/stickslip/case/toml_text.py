@@ -22,7 +22,8 @@ _KEY = re.compile(r"\s*([\w-]+)\s*=")
 _OF_THE_NAME = "[key]"  # how pydantic marks an error in the name of an entry
 _LONG_WORD = re.compile(r"\S{200,}")
 _SYNTAX = (
-    'Texts and values with a unit need quotes: blade_length = "145 mm"; a section is [geometry]; a comment starts with #.'
+    'Texts and values with a unit need quotes: blade_length = "145 mm"; a section is [geometry]; a comment starts with '
+    "#."
 )
 _TWICE = re.compile(r"Cannot (overwrite|declare)")
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
