@@ -100,6 +100,7 @@ WRONG = {
     "key twice": ("[friction]\ncoefficient = 1\ncoefficient = 2\n", ()),
     "section twice": ('[friction]\ncoefficient = 1\n[geometry]\n[friction]\nlaw = "coulomb"\n', ()),
     "endless number": (f"[friction]\ncoefficient = {'9' * 5000}", ()),
+    "brackets without end": (f"[friction]\ncoefficient = {'[' * 100_000}", ()),
     "empty": ("", ()),
     "comments only": ("# nothing\n\n", ()),
 }

@@ -220,6 +220,26 @@ def test_troubles_of_the_machine(
     assert "Traceback" not in result.stderr
 
 
+@pytest.mark.parametrize(
+    "words",
+    [("report", "a" * 5000), ("import", "a" * 5000 + ".inp"), ("export", "a" * 5000), ("new", "a" * 5000 + ".toml")],
+    ids=lambda words: words[0],
+)
+def test_a_name_too_long_for_any_disk_is_rejected(words: tuple[str, str]) -> None:
+    result = invoke(*words)
+    assert result.exit_code == 2
+    printed_sentence(result.stderr)
+    assert len(result.stderr) < 400
+
+
+def test_a_path_without_permission_is_rejected(study: Study, study_file: Path) -> None:
+    """Root may read everywhere, so the error of the system stands in."""
+    study.error = PermissionError(13, "Permission denied", "/closed/deck.inp")
+    result = invoke("check", study_file)
+    assert result.exit_code == 2
+    printed_sentence(result.stderr)
+
+
 def test_output_folder_that_cannot_be_made(study: Study, study_file: Path) -> None:
     result = invoke("run", study_file, "--out", study_file / "out")
     assert result.exit_code == 2

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from own_cases import mesh_case
 from sentences import printed_sentence
 from stickslip.cli import main as cli
 from stickslip.cli import many_cases
@@ -80,6 +81,17 @@ def test_a_sweep_none_of_whose_cases_can_be_solved_is_wrong_input(tmp_path: Path
     result = invoke(quick_file(tmp_path), "--vary", "geometry.damper_length=40 mm,50 mm", "--out", tmp_path / "out")
     assert result.exit_code == 2
     printed_sentence(result.stderr, "damper_length")
+
+
+@pytest.mark.parametrize("missing", ["interfaces.sole.second", "interfaces.lid.first"])
+def test_a_set_that_the_mesh_lacks_ends_the_sweep_before_the_first_case(tmp_path: Path, missing: str) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(mesh_case().replace({missing: "nowhere"}).to_text(), encoding="utf-8")
+    out = tmp_path / "out"
+    result = invoke(file, "--vary", "forces.push.amplitude=0.1 N,0.2 N", "--out", out)
+    assert result.exit_code == 2
+    printed_sentence(result.stderr.rpartition("Error: ")[2], "nowhere")
+    assert list(out.glob("*")) == []
 
 
 def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:

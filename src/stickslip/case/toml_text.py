@@ -21,6 +21,10 @@ STATED = "stated"  # type of an error whose context contains the message after t
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
 _OF_THE_NAME = "[key]"  # how pydantic marks an error in the name of an entry
 _LONG_WORD = re.compile(r"\S{200,}")
+_SYNTAX = (
+    'Texts and values with a unit need quotes: blade_length = "145 mm"; a section is [geometry]; a comment starts with '
+    "#."
+)
 _TWICE = re.compile(r"Cannot (overwrite|declare)")
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 
@@ -42,14 +46,14 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     """The sections of a study file's text. Raises StudyFileError for a syntax error or a file without any section."""
     try:
         data = tomllib.loads(text)
-    # a number of thousands of digits is a plain ValueError, brackets nested without end are a RecursionError
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        raise StudyFileError(f"{source}: not valid TOML: brackets are nested too deeply. {_SYNTAX}") from error
+    except tomllib.TOMLDecodeError as error:
         if _TWICE.match(str(error)) and (repeated := _repeated(text)):
             raise StudyFileError(f"{source}, {repeated}") from error
-        raise StudyFileError(
-            f"{source}: not valid TOML: {error}. Texts and values with a unit need quotes: "
-            'blade_length = "145 mm"; a section is [geometry]; a comment starts with #.'
-        ) from error
+        raise StudyFileError(f"{source}: not valid TOML: {error}. {_SYNTAX}") from error
+    except ValueError as error:  # of int(), whose words are about Python
+        raise StudyFileError(f"{source}: not valid TOML: a number has thousands of digits. {_SYNTAX}") from error
     if not data:
         raise StudyFileError(f"{source}: the file is empty; it has no section. {_NEW_FILE}")
     return data

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -12,12 +13,15 @@ import typer
 
 from stickslip.cli.process import StoppedBySignal, plain_warnings, stopping_signals
 from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.input_files import shortened
 from stickslip.core.terminal import echo
 from stickslip.core.thread_variables import require_thread_variables
 
 EXIT_FAULT = 1  # a defect of the program
 EXIT_INTERRUPTED = 130  # 128 + 2, as shells report Ctrl-C
 LOG_NAME = "stickslip-error.log"
+# Errors of the system that a wrong path or its permissions cause, not the program or a full disk.
+_PATH_ERRORS = {errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.ELOOP, errno.ENOTDIR, errno.EISDIR, errno.EROFS}
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
@@ -55,6 +59,10 @@ def error_messages(debug: bool, log_folder: Path | None = None, closing: str = "
         raise typer.Exit(InputError.exit_code) from error
     except Exception as error:
         _show_traceback(debug)
+        if isinstance(error, OSError) and error.errno in _PATH_ERRORS and error.filename is not None:
+            name = shortened(str(error.filename))
+            echo(f'Error: "{name}" cannot be used: {error.strerror}. Check this path and its permissions.', err=True)
+            raise typer.Exit(InputError.exit_code) from error
         where = "Run it again with --debug to see the traceback" if log_folder is None else _write_log(log_folder)
         if isinstance(error, OSError):
             echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)

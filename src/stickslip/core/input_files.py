@@ -228,9 +228,9 @@ def read_input(path: str | PathLike[str], advice: str, largest: int, error: type
         raise error(f"{path}: the file does not exist. {advice}") from problem
     except (OSError, ValueError) as problem:  # a name with the character NUL is a ValueError
         why = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
-        raise error(f"{_short(str(path))}: the file cannot be read ({why}). {advice}") from problem
+        raise error(f"{shortened(str(path))}: the file cannot be read ({why}). {advice}") from problem
 
 
-def _short(name: str) -> str:
+def shortened(name: str) -> str:
     """A name, shortened for a message if it is too long for any disk."""
     return name if len(name) <= 200 else f"{name[:100]} ... {name[-40:]}"
