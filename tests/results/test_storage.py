@@ -216,6 +216,17 @@ def test_study_of_another_run_is_rejected(response: ForcedResponse, tmp_path: Pa
         save_results(tmp_path / "results.nc", response, synthetic_study(11, 5))
 
 
+def test_a_changed_letter_of_a_text_is_noticed(response: ForcedResponse, tmp_path: Path) -> None:
+    """The message of the solver is a text of the file; HDF5 has checksums for arrays only."""
+    path = tmp_path / "results.nc"
+    save_results(path, response)
+    content, message = path.read_bytes(), response.message.encode()
+    assert content.count(message) == 1
+    path.write_bytes(content.replace(message, message[:-1] + bytes([message[-1] ^ 1])))
+    with rejects(ResultsFileError):
+        load_results(path)
+
+
 ABSURD = {
     "array": np.array([64, 128]),
     "not a number": np.nan,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from stickslip.core.validation import FloatArray
+from stickslip.results.netcdf import TEXT_CHECKSUM, text_checksum
 
 # Squares of larger numbers overflow; displacements, forces and energies are far smaller.
 LARGEST_NUMBER = 1e100
@@ -54,14 +55,17 @@ class StoredGroup:
         return self._array(name, "iu").astype(np.int64)
 
     def text(self, name: str) -> str:
-        """A variable that is one text."""
+        """A variable that is one text, compared with its checksum; files of older versions have none."""
         dataset = self._dataset(name)
         if dataset.shape != () or h5py.check_string_dtype(dataset.dtype) is None:
             raise UnreadableError(f'the variable "{name}" is not a text')
         try:
-            return str(dataset.asstr()[()])
+            text = str(dataset.asstr()[()])
         except UnicodeDecodeError as error:
             raise UnreadableError(f'the text "{name}" is not UTF-8') from error
+        if dataset.attrs.get(TEXT_CHECKSUM, checksum := text_checksum(text)) != checksum:
+            raise UnreadableError(f'the text "{name}" differs from its checksum')
+        return text
 
     def parsed(self, name: str, kind: Any) -> Any:
         """A variable that is JSON, checked to be of a type such as ``list[str]``."""
