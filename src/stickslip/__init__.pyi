@@ -1,5 +1,6 @@
 # The public names of stickslip: the one list, read by type checkers and by the lazy import of __init__.py.
 from .case.case import Case as Case
+from .case.case import CyclicCase as CyclicCase
 from .case.case import MatrixCase as MatrixCase
 from .case.case import MeshCase as MeshCase
 from .case.case import TwoBladeCase as TwoBladeCase
@@ -12,11 +13,17 @@ from .contact.law.coulomb_harmonics import contact_cycle as contact_cycle
 from .contact.law.cubic_spring import CubicSpring as CubicSpring
 from .contact.law.elastic_stop import ElasticStop as ElasticStop
 from .contact.law.exponential import ExponentialContact as ExponentialContact
+from .contact.law.friction_law import FrictionLaw as FrictionLaw
 from .contact.law.hysteretic_law import HystereticLaw as HystereticLaw
+from .contact.law.hysteretic_law import TangentialStep as TangentialStep
 from .contact.law.iwan import IwanJoint as IwanJoint
 from .contact.law.jenkins import JenkinsElement as JenkinsElement
+from .contact.law.law import ContactCycle as ContactCycle
 from .contact.law.law import ContactLaw as ContactLaw
 from .contact.law.law import ContactState as ContactState
+from .contact.law.law import LawPeriod as LawPeriod
+from .contact.law.law import LawStep as LawStep
+from .contact.law.linear_steps import LinearSteps as LinearSteps
 from .contact.law.loop_fit import LoopFit as LoopFit
 from .contact.law.loop_fit import fit_loops as fit_loops
 from .contact.law.normal_law import PressureGapLaw as PressureGapLaw
@@ -30,6 +37,7 @@ from .contact.stiffness.asperities import Roughness as Roughness
 from .contact.stiffness.constant_law import ConstantStiffness as ConstantStiffness
 from .contact.stiffness.face_stiffness import contact_stiffness as contact_stiffness
 from .contact.stiffness.face_stiffness import law_of_roughness as law_of_roughness
+from .contact.stiffness.fractal import FaceStiffness as FaceStiffness
 from .contact.stiffness.measured_heights import roughness_of_heights as roughness_of_heights
 from .contact.stiffness.measured_law import MeasuredStiffness as MeasuredStiffness
 from .contact.stiffness.registry import register_stiffness_law as register_stiffness_law
@@ -41,11 +49,14 @@ from .contact.stiffness.surface import draw_phases as draw_phases
 from .contact.stiffness.surface import fractal_surface as fractal_surface
 from .contact.stiffness.surface import frequency_count as frequency_count
 from .core.errors import ConvergenceError as ConvergenceError
+from .core.errors import ImportFileError as ImportFileError
 from .core.errors import InputError as InputError
 from .core.errors import NotConvergedWarning as NotConvergedWarning
+from .core.errors import OutputError as OutputError
 from .core.errors import ResultsFileError as ResultsFileError
 from .core.errors import RoughnessError as RoughnessError
 from .core.errors import StickslipError as StickslipError
+from .core.errors import StickslipWarning as StickslipWarning
 from .core.errors import StudyFileError as StudyFileError
 from .formats.calculix_deck import write_calculix_deck as write_calculix_deck
 from .formats.frd import FrdStep as FrdStep

@@ -49,7 +49,7 @@ def test_the_page_shows_the_strongest_inputs_first() -> None:
     assert "20 µm at 440.00 Hz" in words
     assert "First order" in words
     assert "<li>One message.</li>" in words
-    assert "is no estimate" not in words
+    assert "is not an estimate" not in words
     assert "a &lt;b&gt; &amp; c.d_e" in words
     view = View.of(response, STUDY)
     changes, derivatives = change_rows(view), derivative_rows(view)

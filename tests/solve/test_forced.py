@@ -333,9 +333,9 @@ BAD: dict[str, tuple[Any, ...]] = {
     "update": ({"update": "magic"}, "update"),
     "damping": ({"modal_damping_ratio": -0.1}, "modal_damping_ratio"),
     "threads": ({"threads": 0}, "threads"),
-    "force shape": ({"force_cos": np.ones(3)}, "force_cos"),
-    "force harmonics": ({"force_cos": np.ones((38, 4)), "harmonics": 3}, "force_cos"),
-    "no force": ({"force_cos": np.zeros(38)}, "force_cos", "force_sin"),
+    "force shape": ({"force_cos": np.ones(3)}, "excitation"),
+    "force harmonics": ({"force_cos": np.ones((38, 4)), "harmonics": 3}, "excitation"),
+    "no force": ({"force_cos": np.zeros(38)}, "excitation"),
     "nan force": ({"force_cos": np.full(38, np.nan)}, "force_cos"),
 }
 

@@ -182,7 +182,7 @@ class WearAnalysis(AnalysisSection):
     @classmethod
     def _both_of_running_in(cls, value: float | None, info: ValidationInfo) -> float | None:
         if "running_in_sq" in info.data and (value is None) != (info.data["running_in_sq"] is None):
-            raise InputError("and running_in_sq belong together. Give both of them, or none.")
+            raise InputError("belongs to running_in_sq: give both of them, or none.")
         return value
 
 

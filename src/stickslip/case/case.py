@@ -95,9 +95,10 @@ from stickslip.case.two_blade_sections import (
 class Case(CaseContent):
     """One study, validated, all values SI floats; what studies of every kind of structure have.
 
-    Each kind is a class of its own with its sections: :class:`TwoBladeCase`, :class:`MeshCase`, :class:`MatrixCase`.
-    ``Case()`` is the project's two-blade study. ``load_case(path)`` and ``Case.from_text(text)`` read a study file,
-    ``Case.from_mapping`` the same as nested dictionaries; they raise StudyFileError with one line for each error.
+    Each kind is a class of its own with its sections: :class:`TwoBladeCase`, :class:`MeshCase`, :class:`MatrixCase`,
+    :class:`CyclicCase`. ``Case()`` is the default study, of two blades. ``load_case(path)`` and
+    ``Case.from_text(text)`` read a study file, ``Case.from_mapping`` the same as nested dictionaries; they raise
+    StudyFileError with one line for each error.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

@@ -169,5 +169,5 @@ class MistuningSection(Section):
     @classmethod
     def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
         if value is None and all(key in info.data and info.data[key] is None for key in ("pattern", "file")):
-            raise InputError("or pattern or file must be given. Give exactly one of them.")
+            raise InputError("is not enough: give exactly one of standard_deviation, pattern and file.")
         return instead_of(instead_of(value, info, "pattern"), info, "file")

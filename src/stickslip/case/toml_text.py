@@ -247,6 +247,8 @@ def _message(
             return f"{statement}{default} {details['ctx']['error']}"
         case "string_type":
             return f"{statement} must be a text in quotes."
+        case "bool_parsing" | "bool_type":
+            return f"{statement} must be true or false, without quotes."
         case "tuple_type":
             return f"{statement} must be a list in square brackets."
     return f"{statement} is not allowed: {details['msg']}."

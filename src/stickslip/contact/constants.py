@@ -166,5 +166,5 @@ def _require_si(name: str, declared: Constant) -> None:
     """Raise InputError for a declared unit that is no SI unit: a plain number of a file is in SI units."""
     if declared.quantity is not None and not declared.quantity.is_si:
         raise InputError(
-            f'can be used from Python only: it declares {name} in "{declared.unit}", which is no product of SI units.'
+            f'can be used from Python only: it declares {name} in "{declared.unit}", not a product of SI units.'
         )

@@ -15,7 +15,10 @@ from stickslip.core.terminal import echo
 
 
 class StickslipError(Exception):
-    """Root of all errors that stickslip raises on purpose. ``exit_code`` is what the command line returns."""
+    """Root of all errors that stickslip raises on purpose. ``exit_code`` is what the command line returns.
+
+    Errors of an input (:class:`InputError` and its classes) have ``keys``: the keys or arguments that are wrong.
+    """
 
     exit_code = 2
 
@@ -132,6 +135,6 @@ class MissingPackageError(StickslipError, ImportError):
 
 
 class ConvergenceError(StickslipError, RuntimeError):
-    """An iteration did not converge; the message gives the last residual or load and what to try."""
+    """An iteration did not converge, or a curve ends early; the message gives the place and the reason."""
 
     exit_code = 3

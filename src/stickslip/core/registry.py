@@ -32,7 +32,17 @@ class Registry(Generic[T]):
         self._makers: dict[str, Callable[..., T]] = dict(own)
 
     def register(self, name: str, maker: Callable[..., T]) -> None:
-        """Register ``maker(**constants)`` under a name. Raises InputError for a name that another maker has."""
+        """Register ``maker(**constants)`` under a name.
+
+        Raises InputError for a name that is no text or that another maker has, and for a maker that cannot be called.
+        """
+        if not isinstance(name, str) or not name:
+            raise InputError(f"the name of a {self._what} must be a text, but it is {name!r}.", arguments=["name"])
+        if not callable(maker):
+            raise InputError(
+                f'the {self._what} "{name}" must be a class or a function that creates it, but it is {maker!r}.',
+                arguments=["law"],
+            )
         if self._makers.get(name, maker) is not maker:
             raise InputError(f'the {self._what} "{name}" exists already. Register the new one under another name.')
         self._makers[name] = maker

@@ -33,7 +33,7 @@ def real_number(name: str, value: Any) -> float:
     """``value`` as a float. Raises InputError unless it is one finite number."""
     try:
         if isinstance(value, (str, bytes, bool)):
-            raise TypeError("text and truth values are no numbers here, even where float() would read them")
+            raise TypeError("text and truth values are not numbers here, even where float() would read them")
         number = float(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise argument_error(name, f"{name} is {value!r}, but it must be one number, without a unit.") from error

@@ -135,7 +135,7 @@ def _step_lines(nodes: IntArray, number: int, step: FrdStep, before: int) -> Ite
     value = float(number) if step.frequency_hz is None else real_number("frequency_hz", step.frequency_hz)
     for block, (name, given) in enumerate(step.fields.items(), start=before + 1):
         if name not in FIELDS:
-            raise argument_error("fields", f'"{name}" is no field of this file. Use {", ".join(FIELDS)}.')
+            raise argument_error("fields", f'"{name}" is not a field of this file. Use {", ".join(FIELDS)}.')
         components, values = FIELDS[name], finite_array(name, given)
         if values.shape != (nodes.size, len(components)):
             raise argument_error(

@@ -168,7 +168,7 @@ def _units(source: Path, heading: str, options: tuple[str | None, str | None]) -
 
 
 def _metres(unit: str) -> float:
-    """One ``unit`` in m. Raises InputError if it is no unit of length."""
+    """One ``unit`` in m. Raises InputError if it is not a unit of length."""
     try:
         return Quantity("length", at_least=1e-15, at_most=1e9).parse(f"1 {unit}")
     except InputError as error:

@@ -100,7 +100,7 @@ class Layout:
         name of each face in reports.
     face_materials:
         (first, second) material of each face; the roughness law needs both.
-    ports:
+    node_groups:
         name -> nodes of a force or a response.
     unit_loads:
         section of a distributed static load -> (3 * n_nodes, k) N of the whole mesh for each unit of its sizes: a

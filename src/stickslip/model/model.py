@@ -64,6 +64,12 @@ class ReducedModel:
     preload: SolvedPreload | None
     reduced: ReducedStructure
 
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({self.substructure!r}, {self.pairs!r}, {self.excitation!r}; "
+            f"{len(self.outputs)} output rows)"
+        )
+
     @property
     def superelement(self) -> Superelement:
         """The matrices of a structure. Raises InputError for a sector of a disk, which has no single ones."""

@@ -137,7 +137,7 @@ class StudyStructure(Protocol):
 @singledispatch
 def study_structure(structure: AnyStructure) -> StudyStructure:
     """A structure of any kind in a study."""
-    raise TypeError(f"{type(structure).__name__} is no structure of a study")
+    raise TypeError(f"{type(structure).__name__} is not a structure of a study")
 
 
 @study_structure.register(Superelement)

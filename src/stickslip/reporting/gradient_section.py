@@ -20,7 +20,7 @@ from stickslip.results.peak_gradients import PeakGradients
 CHANGE = 0.1
 # chosen: bars of the plot; the table has all inputs. Inputs with a smaller effect than LEAST_SHOWN percent have no bar.
 MOST_BARS, LEAST_SHOWN = 15, 0.05
-# chosen: percent. Beyond this change of the peak the first order is no estimate, and the axis ends.
+# chosen: percent. Beyond this change of the peak the first order is not an estimate, and the axis ends.
 BEYOND_FIRST_ORDER = 50.0
 # chosen: a relative change of the peak below NO_EFFECT is none, in percent NOTHING.
 NO_EFFECT, NOTHING = 1e-5, 1e-3
@@ -158,8 +158,8 @@ def _words(view: View) -> Iterator[str]:
     far = [labels(gradients.names)[place] for place in gradients.order if percent[place] > BEYOND_FIRST_ORDER]
     if far:
         yield (
-            f"Above {BEYOND_FIRST_ORDER:.0f} % the first order is no estimate: use the derivative by {', '.join(far)} "
-            "for smaller changes only; these bars are truncated."
+            f"Above {BEYOND_FIRST_ORDER:.0f} % the first order is not an estimate. Use the derivative by "
+            f"{', '.join(far)} for smaller changes only; these bars are truncated."
         )
 
 

@@ -72,7 +72,7 @@ class _CoulombVariables(Labelled):
     def pairs(self) -> ContactPairs:
         update = CoulombLaw.update if self.update is None else self.update
         if update not in get_args(Update):
-            raise UnreadableError('the text "update" does not contain what a run writes there')
+            raise UnreadableError('the text "update" does not have the expected content')
         pairs = ContactPairs(
             self.operator,
             self.normal_stiffness,

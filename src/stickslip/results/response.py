@@ -80,8 +80,8 @@ class ForcedResponse(ResponseData):
         ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)``, twice its mean over the period. It does not depend on the phases
         between the unknowns. 0 in files of earlier versions, which do not contain it.
     walk:
-        (n_points, n) m that a body which friction alone supports slides on in one cycle, zero where none does; None if
-        none does at all. ``displacement`` is the motion without this way.
+        (n_points, n) m, displacement per cycle of a body that friction alone supports; 0 at points without it, None
+        if it never occurs. ``displacement`` is the motion without it.
     part:
         (n_points,) number from 0 of the uninterrupted part of the curve to which a point belongs. Where the solver lost
         the branch and found it, or another one, farther on, a part ends; a warning says what is known.

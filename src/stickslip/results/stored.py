@@ -72,7 +72,7 @@ class StoredGroup:
         try:
             return TypeAdapter(kind).validate_json(self.text(name), strict=True)
         except ValidationError as error:
-            raise UnreadableError(f'the text "{name}" does not contain what a run writes there') from error
+            raise UnreadableError(f'the text "{name}" does not have the expected content') from error
 
     def whole_number(self, name: str, least: int, most: int) -> int:
         """An attribute that is one whole number from ``least`` to ``most``."""

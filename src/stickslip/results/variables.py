@@ -233,7 +233,7 @@ class Json(Entry):
 
 @dataclass(frozen=True)
 class JsonMember(Entry):
-    """A number in one JSON object with the others of ``together``."""
+    """One number of a JSON object that stores all fields of ``together``."""
 
     long_name: str
     together: tuple[str, ...]

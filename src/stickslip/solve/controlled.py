@@ -84,7 +84,9 @@ def controlled_response(
     Raises
     ------
     InputError
-        for inputs that cannot be used. ConvergenceError if there is no first point.
+        for inputs that cannot be used.
+    ConvergenceError
+        if there is no first point.
     """
     began = time.perf_counter()
     window = checked_window(frequency_hz)

@@ -102,7 +102,7 @@ class Evidence:
         if found.given_by is None:
             return f"{words}. No number of harmonics up to {found.tried} gives it to {100.0 * SAME:.0f} %."
         if found.given_by == self.harmonics:
-            return f"{words}. The harmonics of the curve give it to {100.0 * found.away:.2g} %: more are no remedy."
+            return f"{words}. The harmonics of the curve reproduce it to {100.0 * found.away:.2g} %; more do not help."
         words += f". {found.given_by} harmonics with {found.samples} samples give it to {100.0 * found.away:.2g} %"
         if varies:
             return f"{words}."

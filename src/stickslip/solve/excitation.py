@@ -160,7 +160,8 @@ class Excitation:
             this one; "backward": before it. Vanes that stand before a disk which rotates in the positive sense give a
             backward wave.
 
-        Raises InputError for an engine order that is no whole number from 0, another direction, and as :meth:`force`.
+        Raises InputError for an engine order that is not a whole number from 0, another direction, and as
+        :meth:`force`.
         """
         whole_number("engine_order", engine_order, 0)
         require_choice("direction", direction, get_args(Direction))
@@ -174,14 +175,7 @@ class Excitation:
         ``cos`` and ``sin`` in N, (n,) for the first harmonic or (n, n_harmonics) for several; ``sin`` None means zero.
         Raises InputError for arrays of different size or with an entry that is not finite.
         """
-        cosine, sine = _columns("force_cos", cos), None if sin is None else _columns("force_sin", sin)
-        if sine is not None and sine.shape[0] != cosine.shape[0]:
-            raise InputError(
-                f"force_sin has {sine.shape[0]} rows and force_cos {cosine.shape[0]}; both must have shape (n,) or "
-                "(n, n_harmonics).",
-                arguments=["force_sin"],
-            )
-        return cls((_Part(0, cosine, np.zeros((len(cosine), 1)) if sine is None else sine, False, "harmonic force"),))
+        return force_of_arrays(cos, sin, ("cos", "sin"))
 
     @classmethod
     def base_motion(cls, direction: ArrayLike, amplitude: float, kind: BaseMotion = "acceleration") -> Excitation:
@@ -244,7 +238,7 @@ class Excitation:
         return max(int(array.shape[1]) for part in self.parts for array in (part.cos, part.sin))
 
     def __repr__(self) -> str:
-        return f"Excitation({self.describe()})"
+        return f"Excitation({self.describe()}; {len(self.parts[0].cos)} unknowns)"
 
     def describe(self) -> str:
         """The excitation in words."""
@@ -268,27 +262,40 @@ class Excitation:
         terms: dict[int, FloatArray] = {}
         for part in self.parts:
             target = terms.setdefault(part.power, np.zeros((2 * harmonics + 1, size)))
-            for offset, name, columns in ((1, "force_cos", part.cos), (2, "force_sin", part.sin)):
+            for offset, name, columns in ((1, "cosine", part.cos), (2, "sine", part.sin)):
                 if columns.shape[0] != size:
                     raise InputError(
-                        f"{name} must have shape ({size},) for the first harmonic or ({size}, n_harmonics) for "
-                        f"several, but its shape is {columns.shape}.",
-                        arguments=[name],
+                        f"the {name} of the excitation has {columns.shape[0]} rows, but the structure has {size} "
+                        "unknowns. Give one row for each unknown.",
+                        arguments=["excitation"],
                     )
                 if columns.shape[1] > harmonics:
                     raise InputError(
-                        f"{name} has {columns.shape[1]} harmonics, but the solution has only harmonics = {harmonics}. "
-                        "Raise harmonics.",
-                        arguments=[name],
+                        f"the {name} of the excitation has {columns.shape[1]} harmonics, but the solution has only "
+                        f"harmonics = {harmonics}. Raise harmonics.",
+                        arguments=["excitation"],
                     )
                 force = -(superelement.mass @ columns) if part.inertial else columns
                 target[offset : offset + 2 * columns.shape[1] : 2] += force.T
         if not any(array.any() for array in terms.values()):
             raise InputError(
-                "force_cos and force_sin are zero everywhere; without a force there is no forced response.",
-                arguments=["force_cos", "force_sin"],
+                "the excitation is zero everywhere; without a force there is no forced response.",
+                arguments=["excitation"],
             )
         return tuple(sorted(terms.items(), key=lambda term: term[0]))
+
+
+def force_of_arrays(cos: ArrayLike, sin: ArrayLike | None, names: tuple[str, str]) -> Excitation:
+    """:meth:`Excitation.force` of the arguments with these ``names``, for messages. Raises InputError."""
+    cosine, sine = _columns(names[0], cos), None if sin is None else _columns(names[1], sin)
+    if sine is not None and sine.shape[0] != cosine.shape[0]:
+        raise InputError(
+            f"{names[1]} has {sine.shape[0]} rows and {names[0]} {cosine.shape[0]}; both must have shape (n,) or "
+            "(n, n_harmonics).",
+            arguments=[names[1]],
+        )
+    zero = np.zeros((len(cosine), 1))
+    return Excitation((_Part(0, cosine, zero if sine is None else sine, False, "harmonic force"),))
 
 
 def _base_part(name: str, vector: ArrayLike, amplitude: float, kind: BaseMotion, inertial: bool) -> _Part:

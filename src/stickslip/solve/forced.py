@@ -21,7 +21,7 @@ from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
 from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.evidence import Settling
-from stickslip.solve.excitation import Excitation
+from stickslip.solve.excitation import Excitation, force_of_arrays
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT, FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
@@ -130,16 +130,15 @@ def forced_response(
     -------
     ForcedResponse
         with Floquet multipliers of every point and whether it is ``stable``, if all laws have ``linear_steps`` and
-        ``checks`` are not omitted. Also if
-        the curve ends early: ``converged`` is then False and ``message`` gives the frequency and the reason; all its
-        points are converged.
+        ``checks`` is true. Of a curve that ends early ``converged`` is False and ``message`` gives the frequency and
+        the reason; all its points are converged.
 
     Raises
     ------
     InputError
         for inputs that cannot be used, and for a resonance in the range that neither damping nor friction bounds.
-        ConvergenceError if there is no first point, and for
-        a curve that ends early with ``raise_on_failure``.
+    ConvergenceError
+        if there is no first point, and for a curve that ends early with ``raise_on_failure``.
     """
     response = unreported_response(
         superelement, pairs, as_excitation(excitation, force_sin, force_cos), frequency_hz=frequency_hz,
@@ -309,6 +308,8 @@ def as_excitation(
             )
         return excitation
     cosine = force_cos if excitation is None else excitation
-    if cosine is None or (excitation is not None and force_cos is not None):
+    if cosine is None:
+        raise InputError("give an excitation: an Excitation, or the cosine part of a force as an array (n,).")
+    if excitation is not None and force_cos is not None:
         raise InputError("give the excitation once: an Excitation, or the cosine part of a force as an array (n,).")
-    return Excitation.force(cosine, force_sin)
+    return force_of_arrays(cosine, force_sin, ("force_cos", "force_sin"))

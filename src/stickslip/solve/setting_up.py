@@ -147,7 +147,7 @@ class Balances:
 
     @property
     def damped_harmonics(self) -> int | None:
-        """Number of harmonics whose resonances have damping; None if that is no matter of their number."""
+        """Number of harmonics whose resonances have damping; None if the number does not matter."""
         return None if self.modal_damping_ratio is None else int(DAMPED_RANGE)
 
     @cached_property

@@ -277,9 +277,9 @@ def _require_constraints_that_follow(left_free: Any, right_free: Any, symmetry: 
         node, axis = symmetry.right[wrong[0] // 3], "xyz"[wrong[0] % 3]
         says, other = ("free", "constrained") if right_free[wrong[0]] else ("constrained", "free")
         raise InputError(
-            f"node {node} of the right boundary is {says} along {axis}, but what it follows on the left one is {other} "
-            f"({wrong.size} displacements differ): a constraint of one boundary must be that of the other one, "
-            "rotated. Constrain both, or none.",
+            f"node {node} of the right boundary is {says} along {axis}, but the node that it follows on the left "
+            f"one is {other} ({wrong.size} displacements differ): a constraint of one boundary must be that of the "
+            "other one, rotated. Constrain both, or none.",
             arguments=["left", "right"],
         )
 

@@ -35,7 +35,7 @@ def pressure_load(mesh: Mesh, face: str, pressure: float = 1.0) -> FloatArray:
     Raises
     ------
     InputError
-        for a set that does not exist, that is empty or contains no side, and for a pressure that is no number.
+        for a set that does not exist, that is empty or contains no side, and for a pressure that is not a number.
 
     Source: O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, 5th ed. (2000), vol. 1, sec. 2.3.
     """

@@ -223,8 +223,8 @@ class Superelement:
         return self
 
     def require_sector(self) -> NoReturn:
-        """A superelement is no sector of a disk: raises InputError."""
-        raise InputError("a superelement is no sector of a disk; give a CyclicSector.", arguments=["superelement"])
+        """A superelement is not a sector of a disk: raises InputError."""
+        raise InputError("a superelement is not a sector of a disk; give a CyclicSector.", arguments=["superelement"])
 
     def selector(self, node: int, direction: tuple[float, float, float] | FloatArray) -> FloatArray:
         """The row (n,) of the displacement of a boundary node along ``direction`` (unit vector x, y, z)."""

@@ -190,6 +190,14 @@ def test_a_name_is_given_once() -> None:
         contact_law("glue")
 
 
+def test_a_law_is_registered_by_a_text_and_a_maker() -> None:
+    """A number as a name ended each later study with a TypeError: names are sorted for messages."""
+    with rejects(ss.InputError, "name"):
+        ss.register_stiffness_law(7, ss.MeasuredStiffness)  # type: ignore[arg-type]
+    with rejects(ss.InputError, "law"):
+        ss.register_contact_law("mine", 3)  # type: ignore[arg-type]
+
+
 PACKAGE = """
 from dataclasses import dataclass
 from typing import ClassVar

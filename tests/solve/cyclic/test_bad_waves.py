@@ -89,7 +89,7 @@ def test_two_engine_orders_together() -> None:
 
 
 def test_a_force_of_another_size() -> None:
-    with rejects(InputError, "force_cos"):
+    with rejects(InputError, "excitation"):
         solve(excitation=Excitation.travelling_wave(1, np.ones(10)))
 
 

@@ -82,6 +82,21 @@ def test_a_jenkins_element_holds_its_limit() -> None:
     assert unbounded.grip_of(pairs, ROW).friction == pytest.approx(HOLDS, rel=1e-12)
 
 
+def test_an_own_law_with_a_slip_limit_holds_it() -> None:
+    """Laws of other packages count by what they declare, not by their class."""
+
+    class OwnElement(ss.JenkinsElement):
+        name = "own"
+
+    limit = np.array([MU * LOAD])
+    pairs = ss.ContactPairs.with_laws(np.array(SLIDES), [OwnElement(np.array([STIFF]), limit)])
+    grip = unbounded.grip_of(pairs, ROW)
+    assert grip.friction == pytest.approx(HOLDS, rel=1e-12)
+    assert not grip.opens
+    springs = ss.ContactPairs.with_laws(np.array(SLIDES), [ss.CubicSpring(np.array([STIFF]), np.array([1e9]))])
+    assert unbounded.grip_of(springs, ROW) == unbounded.Grip(0.0, True, False)
+
+
 def test_a_mode_without_motion_at_the_contact_is_rejected_for_any_force() -> None:
     with rejects(ss.InputError, "modal_damping_ratio"):
         solve(1e-3, operator=[[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])

@@ -148,7 +148,8 @@ class ContactPairs:
 
     def __repr__(self) -> str:
         parts = [f"{law.n_pairs} {law.name}" for law in self.laws]
-        return f"ContactPairs({' + '.join(parts)} pairs on {self.operator.shape[1]} unknowns)"
+        noun = "pair" if self.n_pairs == 1 else "pairs"
+        return f"ContactPairs({' + '.join(parts)} {noun} on {self.operator.shape[1]} unknowns)"
 
     @property
     def largest_motion(self) -> FloatArray:

@@ -13,6 +13,7 @@ from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, Contac
 from stickslip.contact.law.traction_at_rest import TractionAtRest
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray, per_pair
 
 
@@ -30,6 +31,8 @@ class TangentialStep:
     slope: FloatArray
     slips: BoolArray
     memory: Any
+
+    __repr__ = short_repr
 
 
 class HystereticLaw(TractionAtRest):

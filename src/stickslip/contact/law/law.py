@@ -25,7 +25,12 @@ IndexArray = NDArray[np.int64]
 
 
 class ContactState(IntEnum):
-    """State of a pair over a period; the codes of every ``contact_state``."""
+    """State of a pair over a period; the codes of every ``contact_state``.
+
+    STUCK (0): closed throughout, without slip. STICK_SLIP (1): closed throughout, with slip in a part of the period.
+    SEPARATING (2): open in a part of the period or throughout. A law gives them its own names
+    (``ContactLaw.states``).
+    """
 
     STUCK = 0
     STICK_SLIP = 1
@@ -64,6 +69,8 @@ class LawPeriod:
     closure: FloatArray
     memory: Any = None
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class LawStep:
@@ -85,6 +92,8 @@ class LawStep:
     derivative: FloatArray
     state: CodeArray
     memory: Any = None
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -121,7 +130,8 @@ class ContactLaw(Protocol):
     """The law of a group of p pairs; a frozen dataclass whose fields are its constants.
 
     Displacements are those of a pair, t1, t2, n > 0 closing, m, relative to the state at rest; forces act on the
-    left-hand side of the equation of motion.
+    left-hand side of the equation of motion. ``name`` is that in a study file; ``states`` maps the states that a pair
+    can have to their names in results and on pages.
     """
 
     name: ClassVar[str]

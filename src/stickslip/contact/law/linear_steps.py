@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
+from stickslip.core.short_repr import short_repr
 from stickslip.core.validation import FloatArray
 
 
@@ -35,6 +36,8 @@ class LinearSteps:
     by_end: FloatArray
     by_start: FloatArray
     normal: FloatArray
+
+    __repr__ = short_repr
 
 
 @runtime_checkable

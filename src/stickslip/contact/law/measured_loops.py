@@ -92,7 +92,9 @@ class Loops:
         """Raise InputError unless the loops enclose an area like that of friction."""
         level, reach = np.ptp(np.percentile(self.force, FORCE_PERCENTILES)), np.ptp(self.displacement)
         if not level > 0.0:
-            raise InputError("the force is constant over most of the loops, so it is no friction.", arguments=["force"])
+            raise InputError(
+                "the force is constant over most of the loops, so it is not friction.", arguments=["force"]
+            )
         energy = float(self.energies(self.force).mean())
         if energy < -LEAST_AREA * level * reach:
             raise InputError(

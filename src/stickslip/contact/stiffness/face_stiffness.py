@@ -73,9 +73,33 @@ def contact_stiffness(
     fractal: the spots of the fractal law, in one of three ``mode`` s (docs/theory_roughness.md); ``area`` is optional.
 
     Without ``law`` it is persson, the one that agrees best with boundary elements; with a ``mode`` alone it is fractal.
-    ``tangential_law`` and ``form_length`` are of the first three, as in :func:`law_of_roughness`. Raises InputError for
-    values that are not usable; RoughnessError for a fully plastic face in the fractal mode varying-curvature. In the
-    mode consistent such a face has the stiffness of one round spot of its real area.
+    In the mode consistent a fully plastic face has the stiffness of one round spot of its real area.
+
+    Parameters
+    ----------
+    roughness:
+        of both faces together.
+    load, area:
+        N on the face, and its nominal area in m2.
+    mode:
+        of the fractal law: "consistent" (its default), "varying-curvature" or "unloading".
+    law, tangential_law, form_length:
+        the law; the last two belong to the first three laws, as in :func:`law_of_roughness`.
+
+    Returns
+    -------
+    FaceStiffness
+        ``normal`` and ``tangential`` in N/m; of the fractal law with its status and its spots.
+
+    Raises
+    ------
+    InputError
+        for values that are not usable.
+    RoughnessError
+        for a fully plastic face in the fractal mode varying-curvature.
+
+    Sources: B. N. J. Persson, Phys. Rev. Lett. 99 (2007) 125502; those of the other laws are in
+    docs/theory_stiffness_laws.md.
     """
     law = _chosen(law, mode)
     if law == "fractal":

@@ -82,7 +82,7 @@ def text_lines(path: Path, may_lack_end: bool = False) -> list[str]:
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
-        raise ImportFileError(f'"{path}" is not a text file: byte {error.start} is no text character.') from error
+        raise ImportFileError(f'"{path}" is not a text file: byte {error.start} is not a text character.') from error
     if "\0" in text:
         raise ImportFileError(f'"{path}" is not a text file: byte {text.index(chr(0))} is 0.')
     lines = text.splitlines()

@@ -314,7 +314,7 @@ class _Reader:
                 entries.append(RawSides(line, elements=elements))
                 continue
             if word and not (word[:1] == "S" and word[1:] in {"1", "2", "3", "4", "5", "6"}):
-                card.fail(f'"{word[:20]}" is no side of a solid element; they are S1 to S6.', line)
+                card.fail(f'"{word[:20]}" is not a side of a solid element; they are S1 to S6.', line)
             entries.append(RawSides(line, elements=elements, side=int(word[1:]) - 1 if word else None))
         if kind == "ELEMENT":
             if not entries:

@@ -42,7 +42,7 @@ class Entry:
         """A number of a node, element, type or material; raises ImportFileError for anything else."""
         value = self.whole(word, line)
         if not 0 < value < LARGEST_LABEL:
-            self.fail(f'"{word.strip()[:40]}" is no number of 1 to {LARGEST_LABEL - 1}.', line)
+            self.fail(f'"{word.strip()[:40]}" is not a number of 1 to {LARGEST_LABEL - 1}.', line)
         return value
 
     def whole(self, word: str, line: int = 0) -> int:
@@ -50,16 +50,16 @@ class Entry:
         try:
             return int(word) if word.strip() else 0
         except ValueError:
-            self.fail(f'"{word.strip()[:40]}" is no whole number.', line)
+            self.fail(f'"{word.strip()[:40]}" is not a whole number.', line)
 
     def number(self, word: str, line: int = 0) -> float:
         """A finite number, 0 for a blank; raises ImportFileError for anything else."""
         try:
             value = float(word) if word.strip() else 0.0
         except ValueError:
-            self.fail(f'"{word.strip()[:40]}" is no number. Parameters are not read: write numbers.', line)
+            self.fail(f'"{word.strip()[:40]}" is not a number. Parameters are not read: write numbers.', line)
         if not math.isfinite(value) or "_" in word:
-            self.fail(f'"{word.strip()[:40]}" is no finite number.', line)
+            self.fail(f'"{word.strip()[:40]}" is not a finite number.', line)
         return value
 
 

@@ -169,7 +169,7 @@ class _Reader:
         try:
             return int(words[position])
         except ValueError:
-            self.raw.fail(f'"{words[position][:40]}" is no whole number.', line)
+            self.raw.fail(f'"{words[position][:40]}" is not a whole number.', line)
 
     def _node(self, words: list[str], places: list[str], line: int) -> None:
         if len(places) != 3:

@@ -57,7 +57,7 @@ class NastranTies:
 def _components(card: BulkCard, word: str) -> tuple[int, ...]:
     """Directions 0 to 5 of components of 1 to 6."""
     if not word or set(word) - set(_ALL):
-        card.fail(f'"{word[:12]}" are no components; they are digits of 1 to 6.')
+        card.fail(f'"{word[:12]}" are not components; they are digits of 1 to 6.')
     return tuple(sorted({int(each) - 1 for each in word}))
 
 

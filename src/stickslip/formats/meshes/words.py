@@ -27,7 +27,7 @@ def as_number(fail: Fail, word: str, line: int) -> float:
     try:
         value = float(word.upper().replace("D", "E"))
     except ValueError:
-        fail(f'"{word[:40]}" is no number.', line)
+        fail(f'"{word[:40]}" is not a number.', line)
     if not math.isfinite(value) or "_" in word:
-        fail(f'"{word[:40]}" is no finite number.', line)
+        fail(f'"{word[:40]}" is not a finite number.', line)
     return value

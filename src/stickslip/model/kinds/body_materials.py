@@ -27,7 +27,7 @@ def body_materials(case: SolidCase, source: ImportedModel) -> tuple[Material, ..
     unknown = [name for name in case.bodies if name not in names]
     if unknown:
         raise InputError(
-            f"[bodies.{bare_name(unknown[0])}] is no body of {source.source}; its bodies are: {', '.join(names)}.",
+            f"[bodies.{bare_name(unknown[0])}] is not a body of {source.source}; its bodies are: {', '.join(names)}.",
             (f"bodies.{unknown[0]}",),
         )
     return tuple(_material(case, name, source) for name in names)

@@ -327,7 +327,7 @@ def _require_within_two(symmetry: CyclicSymmetry, pairs: FacePairs) -> None:
         )
     if ahead.min() > 0:
         raise InputError(
-            'both faces belong to the next sector, so this is no joint of this sector. Leave "next" out of at least '
+            'both faces belong to the next sector, so this is not a joint of this sector. Leave "next" out of at least '
             "one name."
         )
 

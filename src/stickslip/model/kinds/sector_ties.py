@@ -73,7 +73,7 @@ def _require_nodes_of_the_mesh(case: CyclicCase, groups: Mapping[str, NodeGroup]
     for name in case.places:
         if name not in groups:
             raise InputError(
-                f"{name} is at a reference node of a coupling or rigid body, which is no place of a sector. Give nodes "
-                "of its mesh.",
+                f"{name} is at a reference node of a coupling or rigid body, which is not a place of a sector. Give "
+                "nodes of its mesh.",
                 (name,),
             )

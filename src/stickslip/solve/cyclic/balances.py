@@ -116,7 +116,7 @@ class SectorBalances:
 
     @property
     def damped_harmonics(self) -> int | None:
-        """Number of harmonics whose resonances have damping; None if that is no matter of their number."""
+        """Number of harmonics whose resonances have damping; None if the number does not matter."""
         return None if self.modal_damping_ratio is None else int(DAMPED_RANGE)
 
     @property
@@ -223,7 +223,7 @@ def _wave_of(excitation: Excitation) -> TravellingWave:
     if excitation.wave is None:
         raise InputError(
             "the excitation of a cyclic sector must say how it travels round the disk: use "
-            "Excitation.travelling_wave(engine_order, force_cos, force_sin).",
+            "Excitation.travelling_wave(engine_order, cos, sin).",
             arguments=["excitation"],
         )
     return excitation.wave

@@ -3,8 +3,8 @@
 The point is evaluated with more harmonics, and Newton's equations are solved, usually once and to few digits, with the
 tangent of the contact in all of them: what the neglected harmonics of the force move, what their motion changes in the
 others, and how slip limits it. Where the steps stop with much of the residual left, the estimate is at least the first
-one, which the tangent alone determines. (The residual of the neglected harmonics alone is no estimate: it is the motion
-of the structure with all contacts stuck, whose high modes may have a resonance there, and no damping.)
+one, which the tangent alone determines. (The residual of the neglected harmonics alone is not an estimate: it is the
+motion of the structure with all contacts stuck, whose high modes may have a resonance there, and no damping.)
 
 The error is the distance between the point and the curve with more harmonics, up to a shift in time: the change of the
 motion of the structure over that motion (mass norm), and the change of the frequency over the half-power width ``2 zeta

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.friction_law import FrictionLaw
-from stickslip.contact.law.iwan import IwanJoint
-from stickslip.contact.law.jenkins import JenkinsElement
+from stickslip.contact.law.hysteretic_law import HystereticLaw
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import ExcitationForce
@@ -69,11 +68,11 @@ def grip_of(pairs: ContactPairs, shape: NDArray[Any]) -> Grip:
             sliding = np.hypot(here[:, 0], here[:, 1])
             opens |= bool(here[:, 2].any())
             load_varies |= bool((presses[group] & (sliding > 0.0)).any())
-        elif isinstance(law, JenkinsElement | IwanJoint):
-            sliding = (here * law.frictional()).sum(axis=1)
         else:
-            opens |= bool(here.any())
-            continue
+            frictional = law.frictional()
+            sliding = (here * frictional).sum(axis=1)
+            if not isinstance(law, HystereticLaw):  # bonded along n, in which this mode would not be one
+                opens |= bool(here[~frictional].any())
         friction += float(sliding @ law.largest_slip_force)
     return Grip(SQUARE_WAVE * friction, opens, load_varies)
 

@@ -334,7 +334,7 @@ class HarmonicsByAccuracy:
         return None
 
     def _more(self, point: VaryingPoint) -> int | None:
-        """The next larger number: what an estimate with few harmonics expects of many is worse than the next one.
+        """The next larger number: an estimate with few harmonics predicts large numbers poorly.
 
         None if the samples, or the limit of the work, do not allow one.
         """

@@ -111,7 +111,9 @@ def nonlinear_mode(
     ------
     InputError
         for inputs that cannot be used, such as a mode that does not exist, or an amplitude at which a law has no
-        restoring force. ConvergenceError if there is no first point.
+        restoring force.
+    ConvergenceError
+        if there is no first point.
     """
     result = unreported_mode(
         superelement, pairs, mode, amplitude, limit=limit, harmonics=harmonics, accuracy=accuracy, samples=samples,

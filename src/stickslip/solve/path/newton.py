@@ -55,7 +55,7 @@ class Correction(Generic[PointT]):
 
 
 class Newton(Generic[PointT]):
-    """Newton's method for one problem; ``on_iteration`` receives number and error at the begin of each iteration."""
+    """Newton's method for one problem; ``on_iteration`` receives number and error of each iteration."""
 
     def __init__(
         self,

@@ -62,7 +62,7 @@ def static_preload(
         (n,) N; it may be zero where an interference presses.
     friction:
         False gives the state without traction, the rest state of released sliders: Jenkins elements and Iwan joints
-        carry nothing along t1 and t2 either, elastic laws carry what they do.
+        carry nothing along t1 and t2 either, elastic laws carry their own force.
     local_stiffness:
         optional: the stiffness of each pair as a function of its own normal force, iterated until both agree.
     normal_law:

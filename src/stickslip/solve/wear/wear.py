@@ -119,7 +119,8 @@ def wear(
     ------
     InputError
         for inputs that cannot be used, pairs of other laws, pairs that keep tractions, and a joint that is open.
-        ConvergenceError without a motion before the wear.
+    ConvergenceError
+        if there is no motion before the wear.
     """
     result = unreported_wear(
         superelement, pairs, excitation, output, area=area, energy_wear_coefficient=energy_wear_coefficient,
