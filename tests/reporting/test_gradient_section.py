@@ -75,7 +75,7 @@ def test_bars_beyond_the_first_order_are_truncated_and_named() -> None:
     more, _ = tornado(View.of(response, STUDY))["data"]
     assert more["x"][0] == -50.0
     assert more["text"][0] == "−270"
-    assert "use the derivative by airfoil thickness for smaller changes only" in section(response)
+    assert "Use the derivative by airfoil thickness for smaller changes only" in section(response)
 
 
 def test_labels_of_inputs() -> None:

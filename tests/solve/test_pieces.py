@@ -128,7 +128,7 @@ def test_a_curve_that_no_step_lost_ends_with_what_happens_there_too() -> None:
     ("given_by", "words"),
     [
         (None, "No number of harmonics up to 96 gives it to 5 %"),
-        (3, "The harmonics of the curve give it to 1.6 %: more are no remedy"),
+        (3, "The harmonics of the curve reproduce it to 1.6 %; more do not help"),
         (48, "48 harmonics with 768 samples give it to 1.6 %: run again with harmonics = 48 and samples = 768"),
     ],
 )

@@ -114,7 +114,7 @@ def stiffness_law_declaration(name: str) -> Declaration:
 
 def _maker(name: str, find: Callable[[str], Any], names: tuple[str, ...], what: str) -> Any:
     if name not in names:
-        raise InputError(f"is no {what}; there are: {', '.join(names)}.")
+        raise InputError(f"is not a {what}; there are: {', '.join(names)}.")
     return find(name)
 
 
