@@ -277,6 +277,7 @@ def test_texts_that_no_run_writes_get_a_sentence(saved: Path, text: str) -> None
         with h5py.File(saved, "r+") as file:
             retained = file[place][()]
             file[place][()] = text
+            file[place].attrs.pop("crc32", None)  # as in files of older versions: the content itself is checked
         with rejects(ResultsFileError):
             load_results(saved)
         with h5py.File(saved, "r+") as file:
