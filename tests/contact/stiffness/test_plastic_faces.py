@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import log, pi, sqrt
+from math import pi, sqrt
 
 import numpy as np
 import pytest
@@ -113,19 +113,3 @@ def test_the_load_and_the_g_of_the_message_have_elastic_spots(dimension: float, 
     assert published_contact(face, (1.0 - off) * needed).normal == 0.0
     assert published_contact(replace(face, fractal_roughness=(1.0 - off) * finer), load).normal > 0.0
     assert published_contact(replace(face, fractal_roughness=(1.0 + off) * finer), load).normal == 0.0
-
-
-@pytest.mark.parametrize("scale", [1e-10, 1e-8, 1e-6])
-@pytest.mark.parametrize("hardness", [1e8, 3e9, 1e10])
-@pytest.mark.parametrize("psi", [1.0, 2.5])
-def test_fully_plastic_load_falls_with_the_dimension_and_rises_again(scale: float, hardness: float, psi: float) -> None:
-    """One minimum over 2 < D < 3: the load is not monotone, and elastic spots exist in one range of D alone."""
-    dimension = np.linspace(2.02, 2.999, 980)
-    load = [fully_plastic_load(rough(D, scale, hardness=hardness, domain_extension=psi)) for D in dimension]
-    rising = np.diff(load) > 0
-    assert not rising[0]
-    assert rising[-1]
-    assert np.count_nonzero(np.diff(rising)) == 1
-    if psi == 1.0:  # the derivative of 2 c / x + ln[(1 + x)/(1 - x)], x = D - 2, is zero there
-        c = log(2**3.5 / (3 * pi) * sqrt(log(1.5)) * 108.2417582e9 / hardness)
-        assert dimension[np.argmin(load)] == pytest.approx(2.0 + sqrt(c / (1.0 + c)), abs=1.1e-3)
