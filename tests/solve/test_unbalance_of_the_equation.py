@@ -31,14 +31,14 @@ def two_masses(
 
 @pytest.mark.slow
 def test_an_undamped_resonance_ends_the_curve() -> None:
-    """Amplitudes grew to 1e64 m, with a residual of 1e53. The normal load could vary, so nothing is rejected before."""
+    """Amplitudes grew to 1e64 m, with a residual of 1e53. The normal load varies a little, so nothing is rejected."""
     pairs = ss.ContactPairs([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]], 1e6, 1e6, 0.3, 20.0)
     with pytest.warns(ss.NotConvergedWarning):
         window = ss.forced_response(
-            ss.Superelement(np.eye(2), np.diag([1e6, 4e7])),
+            ss.Superelement(np.eye(2), np.array([[1e6, 1.0], [1.0, 4e7]])),
             pairs,
             [10.0, 0.0],
-            frequency_hz=(120.0, 300.0),
+            frequency_hz=(150.0, 170.0),
             harmonics=1,
             samples=64,
             threads=1,

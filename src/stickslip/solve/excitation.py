@@ -160,8 +160,8 @@ class Excitation:
             this one; "backward": before it. Vanes that stand before a disk which rotates in the positive sense give a
             backward wave.
 
-        Raises InputError for an engine order that is not a whole number from 0, another direction, and as
-        :meth:`force`.
+        Raises InputError for an engine order that is not a whole number from 0, another direction, and for arrays
+        that :meth:`force` rejects.
         """
         whole_number("engine_order", engine_order, 0)
         require_choice("direction", direction, get_args(Direction))
