@@ -224,6 +224,7 @@ def picture(rows: list[Row]) -> Figure:
 
 def main(out: Path) -> None:
     """Print the tables and write the picture."""
+    out.mkdir(parents=True, exist_ok=True)
     for group in ("fit", "test", "wide", "again"):
         rows, lost = read(group)
         print(f"\n{group}: {len(rows)} cases; left out: {lost}\n")

@@ -40,14 +40,12 @@ def test_files_and_exit_code_of_a_sweep_that_worked(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file, out = tmp_path / "study.toml", tmp_path / "out"
-    # This mode has no stiffness for the face of the second case, which is fully plastic.
-    file.write_text(quick_case().replace({"roughness.mode": "varying-curvature"}).to_text(), encoding="utf-8")
-    rough = "roughness.fractal_roughness=1e-8 m,1e-4 m"
+    file, out = quick_file(tmp_path), tmp_path / "out"
+    rough = "roughness.fractal_dimension=2.4,2.001"
     result = invoke(file, "--vary", rough, "--out", out, "--workers", 1, "--quiet")
     assert result.exit_code == 3
     assert result.stdout == ""
-    printed_sentence(result.stderr, "fractal_roughness-0.0001m_", str(out / "sweep.csv"))
+    printed_sentence(result.stderr, "fractal_dimension-2.001_", str(out / "sweep.csv"))
     assert (out / "sweep.csv").read_text(encoding="utf-8").count("\n") == 3
     monkeypatch.setattr(many_cases, "SHOWN_FAILURES", 0)
     monkeypatch.setattr(work, "solve", None)  # nothing is solved again

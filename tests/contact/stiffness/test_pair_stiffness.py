@@ -95,13 +95,6 @@ def test_a_pair_under_too_little_pressure_for_elastic_spots_has_the_least_stiffn
     assert tangential / normal == pytest.approx(MINDLIN, rel=1e-12)
 
 
-def test_a_pair_under_too_little_pressure_is_rejected_by_equation_8() -> None:
-    area = np.full(4, NOMINAL_AREA / 4)
-    with rejects(RoughnessError):
-        pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="pressure", mode="varying-curvature")
-    assert np.all(pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="area")[0] > 0)
-
-
 def test_a_face_without_preload_is_rejected() -> None:
     with rejects(RoughnessError):
         springs_of_pairs(FractalStiffness(rough(), 2.0), np.ones(4), [1e3, 1e3, 0.0, -5.0], face=[0, 0, 1, 1])

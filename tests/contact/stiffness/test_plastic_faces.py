@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi, sqrt
+from math import log, pi, sqrt
 
 import numpy as np
 import pytest
@@ -16,18 +16,19 @@ from stickslip.contact.stiffness.asperities import fully_plastic_load
 from stickslip.contact.stiffness.fractal import ContactStatus, StiffnessMode, fractal_contact, published_contact
 
 
+@pytest.mark.parametrize("mode", ["consistent", "varying-curvature"])
 @pytest.mark.parametrize("load", [1e-6, 1.0, 500.0])
-def test_a_fully_plastic_face_is_as_stiff_as_one_round_spot_of_its_real_area(load: float) -> None:
+def test_a_fully_plastic_face_is_as_stiff_as_one_round_spot_of_its_real_area(load: float, mode: StiffnessMode) -> None:
     """Closed form: the area F/H in one flat punch, K = 2 E* sqrt(F / (pi H))."""
     face = rough(2.3)
-    found = ss.contact_stiffness(face, load, "consistent")
+    found = ss.contact_stiffness(face, load, mode)
     assert found.status is ContactStatus.FULLY_PLASTIC
     assert found.is_least
     assert found.normal == pytest.approx(2 * REDUCED_MODULUS * sqrt(load / (pi * HARDNESS)), rel=1e-9)
     assert found.tangential == pytest.approx(MINDLIN * found.normal, rel=1e-12)
-    assert published_contact(face, load).normal == 0.0
+    assert published_contact(face, load, mode).normal == 0.0
     printed_sentence(found.messages[0], "Fully plastic", "2 E* sqrt(A_r/pi)", "persson", "unloading")
-    normal, _ = pair_stiffness(face, np.full(4, NOMINAL_AREA / 4), load / 4)
+    normal, _ = pair_stiffness(face, np.full(4, NOMINAL_AREA / 4), load / 4, mode=mode)
     assert normal.sum() == pytest.approx(found.normal, rel=1e-12)
 
 
@@ -113,3 +114,28 @@ def test_the_load_and_the_g_of_the_message_have_elastic_spots(dimension: float, 
     assert published_contact(face, (1.0 - off) * needed).normal == 0.0
     assert published_contact(replace(face, fractal_roughness=(1.0 - off) * finer), load).normal > 0.0
     assert published_contact(replace(face, fractal_roughness=(1.0 + off) * finer), load).normal == 0.0
+
+
+@pytest.mark.parametrize("scale", [1e-10, 1e-8, 1e-6])
+@pytest.mark.parametrize("hardness", [1e8, 3e9, 1e10])
+@pytest.mark.parametrize("psi", [1.0, 2.5])
+def test_fully_plastic_load_falls_with_the_dimension_and_rises_again(scale: float, hardness: float, psi: float) -> None:
+    """One minimum over 2 < D < 3: the load is not monotone, and elastic spots exist in one range of D alone."""
+    dimension = np.linspace(2.02, 2.999, 980)
+    load = [fully_plastic_load(rough(D, scale, hardness=hardness, domain_extension=psi)) for D in dimension]
+    rising = np.diff(load) > 0
+    assert not rising[0]
+    assert rising[-1]
+    assert np.count_nonzero(np.diff(rising)) == 1
+    if psi == 1.0:  # the derivative of 2 c / x + ln[(1 + x)/(1 - x)], x = D - 2, is zero there
+        c = log(2**3.5 / (3 * pi) * sqrt(log(1.5)) * 108.2417582e9 / hardness)
+        assert dimension[np.argmin(load)] == pytest.approx(2.0 + sqrt(c / (1.0 + c)), abs=1.1e-3)
+
+
+@pytest.mark.parametrize("mode", ["consistent", "varying-curvature"])
+def test_the_spots_in_unloading_are_stiffer_than_one_spot_of_the_real_area(mode: StiffnessMode) -> None:
+    area = np.full(4, NOMINAL_AREA / 4)
+    unloading, _ = pair_stiffness(rough(2.3, shortest_length=1e-6), area, 125.0, mode="unloading")
+    least, _ = pair_stiffness(rough(2.3), area, 125.0, mode=mode)
+    assert (unloading > least).all()
+    assert (least > 0).all()

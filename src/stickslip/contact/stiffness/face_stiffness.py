@@ -9,12 +9,10 @@ import numpy as np
 
 from stickslip.contact.stiffness.asperities import Roughness
 from stickslip.contact.stiffness.fractal import (
-    ContactStatus,
     ContactStiffness,
     FaceStiffness,
     StiffnessMode,
     fractal_contact,
-    why_no_stiffness,
 )
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.height_spectrum import HeightSpectrum
@@ -22,7 +20,7 @@ from stickslip.contact.stiffness.persson import PerssonStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 from stickslip.contact.stiffness.summits import BushGibsonThomasStiffness, GreenwoodWilliamsonStiffness
 from stickslip.contact.stiffness.tangential import TangentialRatio
-from stickslip.core.errors import InputError, RoughnessError
+from stickslip.core.errors import InputError
 from stickslip.core.validation import positive_number, real_number, require_choice
 
 RoughnessLaw = Literal["fractal", "persson", "greenwood-williamson", "bush-gibson-thomas"]
@@ -73,7 +71,7 @@ def contact_stiffness(
     fractal: the spots of the fractal law, in one of three ``mode`` s (docs/theory_roughness.md); ``area`` is optional.
 
     Without ``law`` it is persson, the one that agrees best with boundary elements; with a ``mode`` alone it is fractal.
-    In the mode consistent a fully plastic face has the stiffness of one round spot of its real area.
+    A fully plastic face has the stiffness of one round spot of its real area, unless the mode is unloading.
 
     Parameters
     ----------
@@ -95,8 +93,6 @@ def contact_stiffness(
     ------
     InputError
         for values that are not usable.
-    RoughnessError
-        for a fully plastic face in the fractal mode varying-curvature.
 
     Sources: B. N. J. Persson, Phys. Rev. Lett. 99 (2007) 125502; those of the other laws are in
     docs/theory_stiffness_laws.md.
@@ -109,12 +105,7 @@ def contact_stiffness(
                     f'{name} is {value!r}, but the law "fractal" has none. Choose another law, or omit it.',
                     arguments=[name],
                 )
-        found = fractal_contact(roughness, load, mode or FIRST_MODE, area)
-        if found.normal == 0.0 and found.status is not ContactStatus.NO_CONTACT:
-            raise RoughnessError(
-                f"the fractal law gives the face no stiffness: {why_no_stiffness(roughness, load)}", arguments=["mode"]
-            )
-        return found
+        return fractal_contact(roughness, load, mode or FIRST_MODE, area)
     if area is None:
         raise InputError(
             f'the law "{law}" requires the area of the face in m2. Give area; only law = "fractal" does without.',

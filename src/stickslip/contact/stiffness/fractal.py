@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from enum import StrEnum
-from math import exp, floor, inf, log, pi, sqrt
+from math import exp, inf, log, pi, sqrt
 from typing import Literal, get_args
 
 from stickslip.contact.stiffness.asperities import (
@@ -30,6 +30,7 @@ __all__ = [
     "ContactStatus",
     "ContactStiffness",
     "Roughness",
+    "elastic_limits",
     "fractal_contact",
     "published_contact",
     "reduced_modulus",
@@ -40,7 +41,6 @@ StiffnessMode = Literal["consistent", "varying-curvature", "unloading"]
 LARGEST_AREA_RATIO = 0.1  # real over nominal area above which spots touch each other
 LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's assumption of small strain fails
 NEAR_LIMIT = 0.05  # chosen: distance of D from 2 or 3 below which the exponents 2/(D-2) or 1/(3-D) exceed 40 or 20
-DIMENSION_STEPS = 1000  # steps from 2 to 3 of a proposed D: three decimals
 
 
 class ContactStatus(StrEnum):
@@ -108,19 +108,18 @@ def fractal_contact(
 ) -> ContactStiffness:
     """The fractal contact of a face under ``load`` (N), with its stiffness (N/m); all zero for a load <= 0.
 
-    The stiffness is that of :func:`published_contact`. Only the mode consistent has another one for a face whose spots
-    are all plastic, where the published sum is zero: plastic spots respond elastically to a small oscillation, and no
-    contact of the real area A_r is softer than one round spot of it,
+    The stiffness is that of :func:`published_contact`, except for a face whose spots are all plastic, where the
+    published sums are zero: plastic spots respond elastically to a small oscillation, and no contact of the real area
+    A_r is softer than one round spot of it,
         K_n = 2 E* sqrt(A_r/pi),   K_t = K_n 2(1-nu)/(2-nu).
     Its message says so. Where the first elastic spots begin, K_n therefore falls to the published sum, which begins at
     zero there (docs/theory_roughness.md, section 4).
 
-    ``area`` in m2, the nominal one, is optional, for comparison with the real area. A fully plastic face in the mode
-    varying-curvature has zero stiffness: this describes the spots and is not the stiffness of a contact, so
-    :func:`contact_stiffness` and ``springs_of_pairs`` reject it. Raises InputError for values that are not usable.
+    ``area`` in m2, the nominal one, is optional, for comparison with the real area. Raises InputError for values that
+    are not usable.
     """
     found = published_contact(roughness, load, mode, area)
-    if mode != "consistent" or found.status is not ContactStatus.FULLY_PLASTIC:
+    if mode == "unloading" or found.status is not ContactStatus.FULLY_PLASTIC:
         return found
     normal = 2.0 * roughness.reduced_modulus * sqrt(found.real_area / pi)
     message = (
@@ -232,14 +231,13 @@ def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, area: flo
 def _plasticity_findings(spots: SpotPopulation, load: float, mode: StiffnessMode) -> Iterator[Finding]:
     log_critical, shortest = log_critical_area(spots.roughness), spots.roughness.shortest_length
     if spots.log_largest <= log_critical:
-        consequence = "The contact law then gives no stiffness at all."
-        if mode == "consistent":
-            enough, finer = _elastic_limits(spots.roughness, load)
+        if mode != "unloading":
+            enough, finer = elastic_limits(spots.roughness, load)
             consequence = (
                 f"Elastic spots require a load above {enough} N, or G below {finer} m. If G is from a publication, "
                 "check its unit: m and mm differ by a factor of 1000."
             )
-        elif mode == "unloading":
+        else:
             consequence = "Only plastic spots in unloading give stiffness, and the shortest wave determines it."
         yield (
             ContactStatus.FULLY_PLASTIC,
@@ -308,42 +306,11 @@ def _asperity_slope(spots: SpotPopulation) -> float:
     return exp(log_slope) if log_slope < LOG_LARGEST_NUMBER else inf
 
 
-def _elastic_limits(roughness: Roughness, load: float) -> tuple[str, str]:
+def elastic_limits(roughness: Roughness, load: float) -> tuple[str, str]:
     """The load in N above which a face has elastic spots, and the G in m below which it has them under ``load`` (N)."""
     needed = fully_plastic_load(roughness)
     finer = roughness.fractal_roughness * sqrt(load / needed)
     return _rounded(needed, 4, ROUND_CEILING), _rounded(finer, 3, ROUND_FLOOR)
-
-
-def why_no_stiffness(roughness: Roughness, load: float) -> str:
-    """Why the published sums give a fully plastic face under ``load`` (N) no stiffness; which load, G or law does."""
-    scale = roughness.fractal_roughness
-    enough, finer = _elastic_limits(roughness, load)
-    ways = [f"raise the load above {enough} N", f"set G below {finer} m"]
-    dimension = _least_dimension(roughness, load)
-    if dimension is not None:
-        ways.append(f"raise D to {dimension:g} (a smoother face)")
-    ways.append(
-        'use law = "persson" or mode = "unloading", in which plastic contact responds to a small oscillation too (both '
-        "require shortest_length)"
-    )
-    return (
-        f"with D = {roughness.fractal_dimension:g} and G = {scale:g} m each contact spot is plastic under a face load "
-        f"of {load:.4g} N; elastic spots require more than {enough} N. Remedies: {', or '.join(ways)}. At these limits "
-        "the stiffness is still almost zero. If G is from a publication, check its unit: m and mm differ by a factor "
-        "of 1000."
-    )
-
-
-def _least_dimension(roughness: Roughness, load: float) -> float | None:
-    """The least D above that of ``roughness`` for which ``load`` (N) makes spots elastic; None if there is none.
-
-    The load that this needs falls with D to a minimum (at D = 2.88 for E*/H = 36) and then rises without bound, so that
-    a larger D does not always help. D within NEAR_LIMIT of 3 is not proposed.
-    """
-    first, last = floor(DIMENSION_STEPS * roughness.fractal_dimension) + 1, round(DIMENSION_STEPS * (3.0 - NEAR_LIMIT))
-    dimensions = (step / DIMENSION_STEPS for step in range(first, last + 1))
-    return next((D for D in dimensions if fully_plastic_load(replace(roughness, fractal_dimension=D)) < load), None)
 
 
 def _rounded(value: float, digits: int, direction: str) -> str:

@@ -9,7 +9,6 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from stickslip.case.case import Case
-from stickslip.contact.stiffness.fractal import why_no_stiffness
 from stickslip.core.errors import ResultsFileError, RoughnessError, StickslipError
 from stickslip.core.files import write_solved
 from stickslip.core.progress import Progress
@@ -17,6 +16,7 @@ from stickslip.model.joint import Joint
 from stickslip.model.model import connect, load_joint, set_up
 from stickslip.model.rough_face import case_roughness
 from stickslip.model.study_structure import ReducedStructure
+from stickslip.papers.rough_damper.no_stiffness import why_no_stiffness
 from stickslip.papers.rough_damper.plan import Computation, Setting
 from stickslip.papers.rough_damper.records import Solved, record
 from stickslip.study.analyses import solve
