@@ -126,6 +126,7 @@ def test_a_sweep_without_end_is_rejected() -> None:
     [
         ("kind", {"analysis.kind": "ridge"}),
         ("kind", {"analysis.kind": "wear", "analysis.wear_coefficient": 1e-14}),
+        ("kind", {"analysis.kind": "mode"}),
         ("gradients", {"analysis.gradients": True}),
     ],
 )

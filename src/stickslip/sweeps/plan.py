@@ -11,7 +11,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from stickslip.case.analysis import RidgeAnalysis, WearAnalysis
 from stickslip.case.case import Case
 from stickslip.case.key_kinds import UNSWEPT_SECTIONS
 from stickslip.core.errors import InputError, StudyFileError
@@ -131,16 +130,10 @@ def require_one_curve(case: Case, of: str) -> None:
             f"mesh. Set it to false for the {of}, and compute the gradients of single cases with stickslip run.",
             ("analysis.gradients",),
         )
-    if isinstance(case.analysis, RidgeAnalysis):
+    if case.analysis.kind != "forced":
         raise InputError(
-            f'kind is "ridge", but the table of a {of} contains no ridges, and each requires the time of several '
-            f'curves. Set kind = "forced" for the {of}, and follow the peaks of single cases with stickslip run.',
-            ("analysis.kind",),
-        )
-    if isinstance(case.analysis, WearAnalysis):
-        raise InputError(
-            f'kind is "wear", but the table of a {of} contains no wear, and it requires the time of many curves. '
-            f'Set kind = "forced" for the {of}, and compute the wear of single cases with stickslip run.',
+            f'kind is "{case.analysis.kind}", but the table of a {of} contains only forced responses. Set kind = '
+            f'"forced" for the {of}, and compute the other analysis of single cases with stickslip run.',
             ("analysis.kind",),
         )
 
