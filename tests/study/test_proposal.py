@@ -16,7 +16,7 @@ from stickslip.case.sections import STRUCTURE_KINDS
 from stickslip.cli.main import app
 from stickslip.core.errors import StudyFileError
 from stickslip.study.check import check
-from stickslip.study.proposal import propose
+from stickslip.study.proposal import _length, propose
 
 OTHER_KINDS = ("blade", "damper", "platform", "wedge", "airfoil", "N1", "engine")
 
@@ -95,3 +95,8 @@ def test_a_kind_beside_a_study_to_write_again_is_rejected(tmp_path: Path) -> Non
     assert outcome.exit_code == 2
     assert not target.exists()
     printed_sentence(outcome.output)
+
+
+@pytest.mark.parametrize(("amplitude", "words"), [(2.5e-7, "0.25 µm"), (9.994e-4, "999.4 µm"), (0.3383, "338.3 mm")])
+def test_linear_peaks_have_a_unit_of_their_size(amplitude: float, words: str) -> None:
+    assert _length(amplitude) == words

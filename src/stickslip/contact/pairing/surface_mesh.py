@@ -19,6 +19,7 @@ from stickslip.structure.side_parts import SIDE_BORDER
 SHARP_EDGE_DEG = (
     60.0  # chosen: a larger angle between two sides is an edge, as of a box; facets of round faces turn less
 )
+_ROUND_OFF = 1e-12  # of the size of a face
 WIDEST_SIDE = 8  # nodes; rows of sides with fewer are filled up
 
 
@@ -168,7 +169,7 @@ class SurfaceMesh:
                 chord = self.points[nodes] - self.points[other]
                 turn = self.normal[nodes] - self.normal[other]
                 height = max(height, float(np.abs(np.einsum("mkx,mkx->mk", chord, turn)).max()) / 8.0)
-        return height
+        return height if height > _ROUND_OFF * self.size else 0.0
 
     def by_width(self, sides: IntArray) -> list[tuple[int, IntArray]]:
         """Positions in ``sides`` (q,), numbers of sides, grouped by the number of nodes of the side."""
