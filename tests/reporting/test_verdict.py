@@ -46,6 +46,25 @@ def test_the_verdict_names_what_the_pairs_do(counts: tuple[int, int, int], cause
     assert verdict(view, warnings=0).sentences[0].startswith(f"{cause} the peak")
 
 
+@pytest.mark.parametrize(
+    ("reduction", "words"), [(-0.218, ": contact raises it by 22 %."), (0.3, " Hz."), (-0.004, " Hz.")]
+)
+def test_the_verdict_says_if_contact_raises_the_peak(reduction: float, words: str) -> None:
+    view = View.of(synthetic_response(), synthetic_study())
+    summary = dataclasses.replace(view.summary, reduction_from_free=reduction, free_peak=view.summary.stuck_peak)
+    object.__setattr__(view, "summary", summary)
+    (sentence,) = [each for each in verdict(view, warnings=0).sentences if each.startswith("Without contact")]
+    assert sentence.endswith(words)
+    assert ("raises" in sentence) == (reduction < -0.005)
+
+
+def test_the_name_of_a_face_keeps_its_hyphens() -> None:
+    study = synthetic_study()
+    named = dataclasses.replace(study, face_names=tuple(f"side-{name} - B" for name in study.face_names))
+    label = View.of(synthetic_response(), named).pair_label(0)
+    assert label.startswith(f"side-{study.face_names[0]} - B, pair 1 (")
+
+
 def test_an_incomplete_curve_limits_the_verdict() -> None:
     response = dataclasses.replace(synthetic_response(), converged=False)
     answer = verdict(View.of(response, synthetic_study()), warnings=0)

@@ -53,6 +53,8 @@ class Proposal:
 
     def rows(self, case: Case) -> Iterator[tuple[str, str]]:
         """(label, value) for ``stickslip check``."""
+        from stickslip.reporting.style import length  # at the first use, as other modules of pages
+
         if self.onset is None:
             yield "linear peaks", f"not computed: {self.trouble}"
             return
@@ -63,7 +65,7 @@ class Proposal:
             if peak is not None:
                 size = "no bound without viscous damping"
                 if math.isfinite(peak.amplitude):
-                    size = f"{_length(peak.amplitude)} under this excitation"
+                    size = f"{' '.join(length(peak.amplitude))} under this excitation"
                 text = f"{hertz(peak.frequency_hz)} Hz, {size}"
             yield f"linear peak, {words}", text
         shown = kind_of(case).excitation_keys(case)
@@ -132,9 +134,3 @@ def _sizes(keys: dict[str, float], factor: float) -> str:
     if len(keys) == 1 and next(iter(keys)).startswith(("excitation.", "forces.")):
         return f"{factor * next(iter(keys.values())):.3g} N"
     return f"{factor:.3g} times the excitation of this study"
-
-
-def _length(amplitude: float) -> str:
-    """An amplitude in m, with the unit that a reader of such a size expects."""
-    micrometres = 1e6 * amplitude
-    return f"{micrometres:.4g} µm" if micrometres < 1e3 else f"{1e-3 * micrometres:.4g} mm"
