@@ -82,12 +82,12 @@ def test_lengths_have_units_that_fit(value: float, words: tuple[str, str]) -> No
 def test_the_best_design_is_that_of_the_lowest_worst_load_case() -> None:
     # friction 0.1: 100 and 400 um under the two forces; friction 0.3: 200 and 300 um
     answer = best_of_worst(sweep_view((DESIGN, FORCES), [1e-4, 4e-4, 2e-4, 3e-4]))
-    assert answer.startswith("The lowest of the highest peaks is 300 µm, of the design with coefficient 0.3;")
-    assert answer.endswith("its worst load case (amplitude) is amplitude 200 N.")
+    assert answer.startswith("The lowest of the highest peaks is 300 µm, of the design with friction coefficient 0.3;")
+    assert answer.endswith("its worst load case (excitation amplitude) is excitation amplitude 200 N.")
 
 
 def test_a_design_with_an_unknown_peak_does_not_count() -> None:
     answer = best_of_worst(sweep_view((DESIGN, FORCES), [1e-4, 4e-4, None, 3e-4]))
-    assert "coefficient 0.1" in answer
+    assert "friction coefficient 0.1" in answer
     assert answer.endswith("1 designs with an unknown peak do not count.")
     assert best_of_worst(sweep_view((FORCES,), [1e-4, 2e-4])) == ""
