@@ -13,7 +13,7 @@ from stickslip.contact.stiffness.roughness_fit import RoughnessFit
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.reporting import figures
-from stickslip.reporting.style import STATES, energy_unit, number
+from stickslip.reporting.style import STATES, energy_unit, number, raised
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from synthetic import synthetic_response, synthetic_study
@@ -71,14 +71,20 @@ def test_loop_encloses_the_energy_of_its_pair(case: tuple[ForcedResponse, StudyR
 def test_structure_function_draws_measurement_and_fit_of_each_direction() -> None:
     lag = np.array([1e-6, 2e-6, 4e-6, 1e-6, 3e-6])
     values: dict[str, Any] = {field.name: 1.0 for field in dataclasses.fields(RoughnessFit)}
-    values |= {"lag": lag, "structure_function": lag**1.2, "fitted": 1.1 * lag**1.2, "points_along_x": 3}
+    values |= {
+        "lag": lag,
+        "structure_function": lag**1.2,
+        "fitted": 1.1 * lag**1.2,
+        "points_along_x": 3,
+        "fractal_roughness": 2.65e-9,
+    }
     lines = figures.structure_function(RoughnessFit(**values)).axes[0].lines
     np.testing.assert_allclose(np.asarray(lines[0].get_xdata()), [1.0, 2.0, 4.0])
     np.testing.assert_allclose(heights(lines[2]), 1e12 * lag[3:] ** 1.2)
     np.testing.assert_allclose(heights(lines[1]), 1.1 * heights(lines[0]))
     assert [line.get_label() for line in lines[:3:2]] == ["measured along x", "measured along y"]
     one = figures.structure_function(RoughnessFit(**(values | {"points_along_x": 5}))).axes[0].lines
-    assert [line.get_label() for line in one] == ["measured", "D = 1.000, G = 1 m"]
+    assert [line.get_label() for line in one] == ["measured", f"fit: {raised('D = 1.000, G = 2.65e-09 m')}"]
 
 
 @pytest.mark.slow

@@ -62,6 +62,15 @@ def test_the_page_says_where_peaks_are_on_the_mode() -> None:
     assert "below 3 % everywhere" not in section(with_mode(0.05))
 
 
+def test_modal_amplitudes_have_powers_of_ten_and_a_root() -> None:
+    response = with_mode(0.05)
+    assert response.nonlinear_mode is not None
+    mode = replace(response.nonlinear_mode, warnings=("From 3.18e-05 m kg^0.5 on the damping ratio is above 3 %.",))
+    words = section(replace(response, nonlinear_mode=mode)).replace("\N{NO-BREAK SPACE}", " ")
+    assert "From 3.18 × 10⁻⁵ m √kg on" in words
+    assert "kg^0.5" not in words
+
+
 def test_without_a_mode_the_page_has_no_such_section() -> None:
     assert "<h2>Nonlinear mode</h2>" not in page(replace(with_mode(0.02), nonlinear_mode=None), STUDY)
 

@@ -64,6 +64,7 @@ def test_a_prescribed_state_at_rest_is_named_and_a_missing_check_has_its_reason(
     summary = dataclasses.replace(SUMMARY, static="prescribed", goodman=(), goodman_message="There is none.", force=0.0)
     text = section(study_with_stress(summary))
     assert "prescribed normal loads" in text
+    assert "In a bolted joint the bolt carries it" in text
     assert "There is none." in text
     assert "Smallest safety factor" not in text
     assert "per unit of force" not in text.lower()

@@ -88,10 +88,10 @@ def test_very_many_curves_share_lines_and_none_is_left_out(monkeypatch: pytest.M
 def test_peaks_against_a_key_leave_failed_cases_out_and_mark_open_ends() -> None:
     view = sweep_view((LOADS, MODE), [1e-4, 2e-4, None, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(4,))
     data = figures_of(view)["key-0"]["data"]
-    single, open_end = (trace for trace in data if trace["name"] == "mode single" and trace["yaxis"] == "y")
+    single, open_end = (trace for trace in data if trace["name"] == "excitation mode single" and trace["yaxis"] == "y")
     assert (single["x"], single["y"]) == ([100.0, 800.0], pytest.approx([100.0, 600.0]))
     assert (open_end["x"], open_end["marker"]["symbol"]) == ([400.0], "circle-open")
-    frequency = next(trace for trace in data if trace["name"] == "mode same" and trace["yaxis"] == "y2")
+    frequency = next(trace for trace in data if trace["name"] == "excitation mode same" and trace["yaxis"] == "y2")
     assert frequency["y"] == [461.0, 463.0, 465.0, 467.0]
     by_mode = figures_of(view)["key-1"]["data"][0]
     assert (by_mode["x"], by_mode["y"]) == (["single", "same"], pytest.approx([100.0, 200.0]))
@@ -105,7 +105,7 @@ def test_each_key_has_one_style_on_the_whole_page() -> None:
     for name, without in (("curves", ""), ("key-0", "colour"), ("key-1", "dash"), ("key-2", "mark")):
         data = figures[name]["data"]
         columns = {trace["legendgrouptitle"]["text"] for trace in data if "legendgrouptitle" in trace}
-        wanted = {"colour": "centrifugal force", "dash": "mode", "mark": "amplitude"}
+        wanted = {"colour": "centrifugal force", "dash": "excitation mode", "mark": "excitation amplitude"}
         assert columns == {words for style, words in wanted.items() if style != without}
     against_load = [trace for trace in figures["key-0"]["data"] if trace.get("yaxis") == "y"]
     styles = {(trace["line"]["color"], trace["line"]["dash"], trace["marker"]["symbol"]) for trace in against_load}
@@ -196,7 +196,9 @@ def test_performance_of_several_forces_is_per_force() -> None:
     view = sweep_view((load_key((100.0, 200.0)), FORCE), [1e-4, 2e-4, 3e-4, 6e-4], force_n=[50.0, 100.0, 50.0, 100.0])
     figure = figures_of(view)["performance-ratio"]
     assert "µm/N" in figure["layout"]["yaxis"]["title"]["text"]
-    first, second = (next(t for t in figure["data"] if t["name"] == f"amplitude {force} N") for force in (50, 100))
+    first, second = (
+        next(t for t in figure["data"] if t["name"] == f"excitation amplitude {force} N") for force in (50, 100)
+    )
     # the same force / F_N gives the same peak per force
     assert dict(zip(first["x"], first["y"], strict=True)) == {0.25: 6.0, 0.5: 2.0}
     assert dict(zip(second["x"], second["y"], strict=True)) == {0.5: 6.0, 1.0: 2.0}

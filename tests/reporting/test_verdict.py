@@ -46,6 +46,25 @@ def test_the_verdict_names_what_the_pairs_do(counts: tuple[int, int, int], cause
     assert verdict(view, warnings=0).sentences[0].startswith(f"{cause} the peak")
 
 
+@pytest.mark.parametrize(
+    ("reduction", "words"), [(-0.218, ": contact raises it by 22 %."), (0.3, " Hz."), (-0.004, " Hz.")]
+)
+def test_the_verdict_says_if_contact_raises_the_peak(reduction: float, words: str) -> None:
+    view = View.of(synthetic_response(), synthetic_study())
+    summary = dataclasses.replace(view.summary, reduction_from_free=reduction, free_peak=view.summary.stuck_peak)
+    object.__setattr__(view, "summary", summary)
+    (sentence,) = [each for each in verdict(view, warnings=0).sentences if each.startswith("Without contact")]
+    assert sentence.endswith(words)
+    assert ("raises" in sentence) == (reduction < -0.005)
+
+
+def test_the_name_of_a_face_keeps_its_hyphens() -> None:
+    study = synthetic_study()
+    named = dataclasses.replace(study, face_names=tuple(f"side-{name} - B" for name in study.face_names))
+    label = View.of(synthetic_response(), named).pair_label(0)
+    assert label.startswith(f"side-{study.face_names[0]} - B, pair 1 (")
+
+
 def test_an_incomplete_curve_limits_the_verdict() -> None:
     response = dataclasses.replace(synthetic_response(), converged=False)
     answer = verdict(View.of(response, synthetic_study()), warnings=0)
@@ -63,12 +82,12 @@ def test_lengths_have_units_that_fit(value: float, words: tuple[str, str]) -> No
 def test_the_best_design_is_that_of_the_lowest_worst_load_case() -> None:
     # friction 0.1: 100 and 400 um under the two forces; friction 0.3: 200 and 300 um
     answer = best_of_worst(sweep_view((DESIGN, FORCES), [1e-4, 4e-4, 2e-4, 3e-4]))
-    assert answer.startswith("The lowest of the highest peaks is 300 µm, of the design with coefficient 0.3;")
-    assert answer.endswith("its worst load case (amplitude) is amplitude 200 N.")
+    assert answer.startswith("The lowest of the highest peaks is 300 µm, of the design with friction coefficient 0.3;")
+    assert answer.endswith("its worst load case (excitation amplitude) is excitation amplitude 200 N.")
 
 
 def test_a_design_with_an_unknown_peak_does_not_count() -> None:
     answer = best_of_worst(sweep_view((DESIGN, FORCES), [1e-4, 4e-4, None, 3e-4]))
-    assert "coefficient 0.1" in answer
+    assert "friction coefficient 0.1" in answer
     assert answer.endswith("1 designs with an unknown peak do not count.")
     assert best_of_worst(sweep_view((FORCES,), [1e-4, 2e-4])) == ""

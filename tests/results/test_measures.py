@@ -131,3 +131,18 @@ def test_summary_without_a_linear_peak_in_range_reports_it() -> None:
 )
 def test_frequencies_have_two_places_or_four_digits(value: float, words: str) -> None:
     assert hertz(value) == words
+
+
+def test_work_of_normal_forces_that_is_round_off_is_zero() -> None:
+    response = synthetic_response()
+    output = synthetic_study().outputs[synthetic_study().response_output]
+
+    def shown(fraction: float) -> str:
+        work = np.full_like(
+            response.normal_work, fraction * response.input_energy.max() / response.normal_work.shape[1]
+        )
+        rows = summary_table(summary(dataclasses.replace(response, normal_work=work), output))
+        return next(value for name, value, _ in rows if name.startswith("Work of the normal forces"))
+
+    assert shown(-1e-18) == "0"
+    assert float(shown(-1e-3)) < 0.0

@@ -172,3 +172,41 @@ def test_a_deck_of_abaqus_cae_from_the_file_to_the_page(tmp_path: Path) -> None:
     assert any("*TIE" in words for words in study.notes)
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert f"Notes on the model file ({len(study.notes)})" in page
+
+
+LOADED = "*NSET, NSET=loaded\n1, 2, 3\n"
+REFERENCE = "*NODE\n9001, 0., 0., 0.\n*RIGID BODY, NSET=loaded, REF NODE=9001\n"
+FORCES = {
+    "one node": ("*CLOAD\n1, 1, 3.\n1, 2, -4.\n", "node = 1", "[0.75, -1, 0]", "5 N"),
+    "a reference node": (f"{REFERENCE}*CLOAD\n9001, 3, 12.\n", "node = 9001", "[0, 0, 1]", "12 N"),
+    "a node set": ("*CLOAD\nloaded, 1, 2.\n", 'set = "loaded"', "[1, 0, 0]", "6 N"),
+    "forces that differ": ("*CLOAD\nloaded, 1, 2.\n1, 1, 3.\n", 'set = "..."', "[0, 0, 1]", "... N"),
+}
+
+
+@pytest.mark.parametrize("case", FORCES)
+def test_the_force_of_a_model_stands_in_the_lines_to_complete(deck: Path, case: str) -> None:
+    cards, place, direction, amplitude = FORCES[case]
+    deck.write_text(deck.read_text(encoding="utf-8") + LOADED + cards, encoding="utf-8")
+    text = written(deck)
+    block = text[text.index("# GIVE [forces.drive]") : text.index("# GIVE [responses.output]")]
+    assert f"# GIVE {place}\n" in block
+    assert f"# GIVE direction = {direction}\n" in block
+    assert f'# GIVE amplitude = "{amplitude}"' in block
+    assert "The model has a force of" in text
+
+
+def test_sets_of_bodies_come_last_in_the_list(deck: Path) -> None:
+    (line,) = [line for line in written(deck).splitlines() if line.startswith("# Other sets")]
+    mesh = ss.read_model(deck, "mm").mesh
+    names = re.findall(r'"([^"]+)"', line)
+    is_of_elements = [name in mesh.element_sets for name in names]
+    assert is_of_elements == sorted(is_of_elements)
+
+
+@pytest.mark.parametrize("kind", ["mesh", "matrices", "bladed-disk"])
+def test_a_template_names_no_key_of_two_blades(tmp_path: Path, kind: str) -> None:
+    target = tmp_path / "study.toml"
+    assert CliRunner().invoke(app, ["new", str(target), "--kind", kind]).exit_code == 0
+    text = target.read_text(encoding="utf-8")
+    assert not [word for word in ("performance_curve", "centrifugal_force", "up the slope") if word in text]

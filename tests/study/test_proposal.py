@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,7 @@ def test_a_study_without_range_is_checked_and_written_but_not_run(without_range:
     for words in ("no frequency range", "linear peak, contacts stuck", "linear peak, no contact", "first pair slips",
                   "nearly all", "proposed range", "proposed excitation", "--from"):  # fmt: skip
         assert words in checked.stdout
+    assert re.search(r"linear peak, contacts stuck +[\d.]+ Hz, [\d.]+ (nm|µm|mm) under", checked.stdout)
     target = without_range.with_name("filled.toml")
     written = CliRunner().invoke(app, ["new", str(target), "--from", str(without_range)])
     assert written.exit_code == 0, written.stderr

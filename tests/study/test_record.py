@@ -22,6 +22,7 @@ from stickslip.study.record import (
     changed_inputs,
     study_record,
 )
+from stickslip.study.run import _with_unit
 from sweep_cases import quick_case
 from synthetic import synthetic_response, synthetic_study
 
@@ -57,9 +58,14 @@ def test_few_rows_of_pairs_are_a_warning_if_pairs_separate_at_the_peak() -> None
     few = study_record(case, model, (), response).warnings
     opens = response.contact_state[peak] == ContactState.SEPARATING
     assert opens.any()
-    printed_sentence("\n".join(few), "left face 3")
+    printed_sentence("\n".join(few), "3 on left face")
+    assert "mesh.contact_columns = 8" in few[-1]
     closed = replace(response, contact_state=np.zeros_like(response.contact_state))
     assert study_record(case, model, (), closed).warnings == few[:-1]
+
+
+def test_values_without_a_unit_have_none_in_the_terminal() -> None:
+    assert [_with_unit(*each) for each in (("12", "-"), ("-", "Hz"), ("81.32", "Hz"))] == ["12", "-", "81.32 Hz"]
 
 
 def test_check_lists_the_rows_of_pairs() -> None:

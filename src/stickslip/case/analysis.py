@@ -27,7 +27,7 @@ class AnalysisSection(Section):
     kind: str
     performance_curve: bool = Field(
         default=True,
-        description="parametric structure: peaks over its static force over the excitation; about three curves more",
+        description="two blades: highest peak over centrifugal over excitation force; about three curves more",
     )
     stiffness_band: bool = Field(
         default=True,

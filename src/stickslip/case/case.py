@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Self, cast, get_args
+from typing import Any, ClassVar, Self, cast, get_args
 
 from pydantic import (
     ConfigDict,
@@ -245,6 +245,11 @@ class TwoBladeCase(Case):
 
 class OwnCase(PressedInterfaces, Case):
     """A study of a structure of the user's own, with interfaces, excitations and responses that have names."""
+
+    own_examples: ClassVar[Mapping[str, str | None]] = {
+        "analysis.performance_curve": None,
+        "analysis.over": '"interfaces.NAME.normal_load"',
+    }
 
     material: OwnMaterialSection | None = None
     roughness: RoughnessSection | None = Field(default=None, description=RoughnessSection.__doc__)

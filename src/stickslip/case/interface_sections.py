@@ -31,7 +31,9 @@ class _JointKeys(Section):
     """The keys of a joint of any kind: its load, its friction and its stiffness."""
 
     tangent: Direction | None = Field(
-        default=None, description="first direction of sliding; default: up the slope", examples=[[0.0, 0.0, 1.0]]
+        default=None,
+        description="first direction of sliding; default: z, or x on a face across z",
+        examples=[[0.0, 0.0, 1.0]],
     )
     normal_load: ForceOrNone | None = Field(
         default=None, description="at rest, on the complete face with uniform pressure", examples=["289 N"]
@@ -67,7 +69,7 @@ class InterfaceSection(ContactLawKeys, StiffnessLawKeys, _JointKeys):
 # The keys that lead a section are on a class of their own: a file has them before those that all joints share.
 class _Sides(Section):
     first: Annotated[str, Required(_SIDE)] = Field(
-        description="face or node set that defines area and outward normal (the smaller body)",
+        description="face or node set that defines areas and normals: the finer mesh",
         examples=["upper_contact"],
     )
     second: Annotated[str, Required(_SIDE)] = Field(

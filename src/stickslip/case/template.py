@@ -26,16 +26,19 @@ _COLUMN = 39  # comments start two columns further
 def study_text(sections: Mapping[str, Any], study: type[BaseModel]) -> str:
     """The study file with ``sections``: name -> values, name -> values of each entry, or None.
 
-    Every key, its value and its description; ``study`` is the model whose fields are the sections.
+    Every key, its value and its description; ``study`` is the model whose fields are the sections. Its
+    ``own_examples`` (key -> example, None for a key without meaning there) are for keys without a value.
     """
     parts = [_OPENING]
+    examples: Mapping[str, str | None] = getattr(study, "own_examples", {})
     for name, value in sections.items():
         kinds = section_types(study.model_fields[name].annotation)
         if isinstance(value, dict):
             entries = [(f"{name}.{bare_name(entry)}", values) for entry, values in value.items()]
         else:
             entries = [(name, value)]
-        parts += [_section_text(title, kinds, values) for title, values in entries]
+        own = {key: example for path, example in examples.items() for home, key in [path.split(".")] if home == name}
+        parts += [_section_text(title, kinds, values, own) for title, values in entries]
     return "\n".join(parts)
 
 
@@ -68,7 +71,9 @@ def metadata_of(section: type[BaseModel], key: str) -> list[Any]:
     return [*field.metadata, *inner]
 
 
-def _section_text(name: str, kinds: Sequence[type[BaseModel]], values: BaseModel | None) -> str:
+def _section_text(
+    name: str, kinds: Sequence[type[BaseModel]], values: BaseModel | None, examples: Mapping[str, str | None]
+) -> str:
     """Heading, description and keys; a section without values becomes comment lines with its examples.
 
     Where a section is one of several ``kinds``, the keys that only others have are comments.
@@ -85,11 +90,13 @@ def _section_text(name: str, kinds: Sequence[type[BaseModel]], values: BaseModel
         section = homes[key]
         field = section.model_fields[key]
         value = getattr(values, key, None)
+        if key in examples and examples[key] is None and value == field.default:
+            continue
         if isinstance(value, LawConstants):
             tables += _constants_text(f"{name}.{key}", value)
             continue
         if value is None:
-            entry = f"# {key} = {_example(section, key)}"
+            entry = f"# {key} = {examples.get(key) or _example(section, key)}"
         else:
             entry = f"{key} = {value_text(quantity_of(section, key), value)}"
         lines.append(_with_comment(entry, field.description))

@@ -156,10 +156,9 @@ def _messages(model: ImportedModel, units_known: bool) -> Iterator[str]:
     constrained: IntArray = model.fixed_unknowns if tied is None else tied.zero_unknowns
     if constrained.size:
         yield f"The file sets {constrained.size} displacements of {np.unique(constrained // 3).size} nodes to zero."
-    loaded = np.flatnonzero(model.node_forces.any(axis=1))
-    if loaded.size:
-        total = ", ".join(f"{force:.6g}" for force in model.node_forces.sum(axis=0))
-        yield f"Forces act on {loaded.size} nodes" + (f"; their sum is ({total}) N." if units_known else ".")
+    if model.loads:
+        total = ", ".join(f"{force:.6g}" for force in np.sum(list(model.loads.values()), axis=0))
+        yield f"Forces act on {len(model.loads)} nodes" + (f"; their sum is ({total}) N." if units_known else ".")
     yield from (f"Note: {message}" for message in model.messages)
     yield from (f"Warning: {message}" for message in model.doubts)
     if units_known:

@@ -22,7 +22,7 @@ from stickslip.core.validation import FloatArray, finite_array
 from stickslip.reporting.disk_figures import disk_figures
 from stickslip.reporting.face_axes import map_titles
 from stickslip.reporting.look import map_range, mark_size
-from stickslip.reporting.style import LINE_COLOURS, MICRO, STATES
+from stickslip.reporting.style import LINE_COLOURS, MICRO, STATES, raised
 from stickslip.reporting.view import View
 from stickslip.results.record import StudyRecord, compared_model, reference_deviation
 from stickslip.results.response import ForcedResponse
@@ -184,7 +184,8 @@ def structure_function(fit: RoughnessFit) -> Figure:
     for axis, part, marker, colour in shown:
         label = "measured" if len(shown) == 1 else f"measured along {axis}"
         axes.loglog(MICRO * fit.lag[part], MICRO**2 * fit.structure_function[part], marker, color=colour, label=label)
-        words = f"D = {fit.fractal_dimension:.3f}, G = {fit.fractal_roughness:.3g} m" if axis == shown[0][0] else None
+        constants = raised(f"D = {fit.fractal_dimension:.3f}, G = {fit.fractal_roughness:.3g} m")
+        words = f"fit: {constants}" if axis == shown[0][0] else None
         axes.loglog(MICRO * fit.lag[part], MICRO**2 * fit.fitted[part], color=INK, label=words)
     axes.set(xlabel="Lag, µm", ylabel="Structure function, µm²\nmean line removed")
     axes.legend(frameon=False)

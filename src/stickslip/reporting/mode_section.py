@@ -11,7 +11,7 @@ from stickslip.core.plain_figure import BLUE, INK, ORANGE
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis
 from stickslip.reporting.section import Section
-from stickslip.reporting.style import MICRO, STATES, number
+from stickslip.reporting.style import MICRO, STATES, number, raised
 from stickslip.reporting.view import View
 from stickslip.results.mode_figure import MODAL_AMPLITUDE
 from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode
@@ -31,7 +31,7 @@ def _curve(view: View, name: str, values: FloatArray, unit: str) -> Any:
     """Values along the mode; the hover text has the amplitude of the output too."""
     mode = _mode_of(view)
     output = MICRO * mode.harmonic_amplitude(view.output, 1)
-    hover = PlotMarkup("{}: %{{y:.5g}} {}<br>modal amplitude %{{x:.3g}} m kg^0.5<br>%{{text}}<extra></extra>").format(
+    hover = PlotMarkup("{}: %{{y:.5g}} {}<br>modal amplitude %{{x:.3g}} m √kg<br>%{{text}}<extra></extra>").format(
         name, unit
     )
     texts = [f"{view.study.response_output}: {each:.3g} µm" for each in output]
@@ -123,7 +123,7 @@ NONLINEAR_MODE = Section(
   </div>
   {{ parts.panel("mode-states", "Contact states of the mode against modal amplitude") }}
 """,
-    lambda view: {"words": " ".join(_words(view))},
+    lambda view: {"words": raised(" ".join(_words(view))).replace("kg^0.5", "√kg")},
     lambda view: {
         "mode-frequency": frequency_of_mode(view),
         "mode-damping": damping_of_mode(view),

@@ -22,7 +22,9 @@ _STATIC = {
     "none": "Nothing loads the structure at rest, so this is the complete stress.",
     "prescribed": (
         "It contains the stress at rest under the prescribed normal loads and the constant loads, without tractions. "
-        "Bodies that only contact supports are balanced by a uniform acceleration, as by a centrifugal force."
+        "Bodies that only contact supports are balanced by a uniform acceleration, as by a centrifugal force. Supports "
+        "carry the reaction of a normal load. In a bolted joint the bolt carries it: there only ranges and the "
+        "alternating stress are meaningful, unless a solved preload has the clamp force as its load."
     ),
 }
 

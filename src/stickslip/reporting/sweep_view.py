@@ -104,9 +104,15 @@ def value_words(key: SweptKey, position: int) -> str:
     return f"{number(key.shown[position], 6)} {key.shown_unit}".rstrip()
 
 
+# Sections whose keys need their name: the coefficient of the friction, the amplitude of the excitation.
+_NAMING = frozenset({"friction", "excitation", "damper", "material", "roughness"})
+
+
 def short_name(key: SweptKey) -> str:
-    """Last part of the name of a key, in words."""
-    return key.name.split(".", 1)[1].replace(".", " ").replace("_", " ")
+    """Last part of the name of a key, in words; with its section where one word alone may mean anything."""
+    section, name = key.name.split(".", 1)
+    words = name.replace(".", " ").replace("_", " ")
+    return f"{section} {words}" if section in _NAMING and " " not in words else words
 
 
 def axis_title(key: SweptKey) -> str:

@@ -45,7 +45,9 @@ def _peak(view: View) -> Iterator[str]:
             f"{_words(measures.stuck_peak)} with all contacts stuck."
         )
     if measures.reduction_from_free is not None:
-        yield f"Without contact it would be {_words(measures.free_peak)}."
+        rise = -measures.reduction_from_free
+        by = f": contact raises it by {number(100.0 * rise, 2)} %" if rise >= NO_CHANGE else ""
+        yield f"Without contact it would be {_words(measures.free_peak)}{by}."
 
 
 def _causes(view: View) -> list[str]:

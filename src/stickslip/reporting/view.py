@@ -113,4 +113,5 @@ class View:
         face = int(self.study.pair_face[pair])
         number = int((self.study.pair_face[:pair] == face).sum()) + 1
         along, across = np.round(1e3 * self.study.pair_position[pair], 1) + 0.0  # no minus sign before 0.0
-        return f"{self.study.face_names[face]}, pair {number} ({along:.1f}, {across:.1f} mm)".replace("-", "−")
+        place = f"({along:.1f}, {across:.1f} mm)".replace("-", "−")
+        return f"{self.study.face_names[face]}, pair {number} {place}"

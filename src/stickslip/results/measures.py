@@ -154,7 +154,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         state_counts=(int(counts[0]), int(counts[1]), int(counts[2])),
         state_names=response.pairs.state_names,
         friction_energy=friction,
-        normal_work=float(response.normal_work[point].sum()),
+        normal_work=_beyond_round_off(float(response.normal_work[point].sum()), float(response.input_energy[point])),
         viscous_energy=viscous,
         input_energy=float(response.input_energy[point]),
         first_harmonic=float(response.harmonic_amplitude(output, 1)[point]),

@@ -12,7 +12,7 @@ from stickslip.core.validation import FloatArray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MODAL_AMPLITUDE = "Modal amplitude, m kg^0.5"
+MODAL_AMPLITUDE = "Modal amplitude, m √kg"
 
 
 @dataclass(frozen=True)

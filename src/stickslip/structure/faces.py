@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from stickslip.core.validation import FloatArray
@@ -19,15 +21,22 @@ def face_geometry(mesh: Mesh, name: str) -> tuple[IntArray, FloatArray, FloatArr
 
     Raises InputError if the set is missing, empty, or contains no complete side of a cell.
     """
-    area = np.zeros(mesh.n_nodes)
-    normal = np.zeros((mesh.n_nodes, 3))
-    for sides in mesh.sides(name):
-        share, direction = side_geometry(mesh.points[sides])
+    nodes = mesh.node_set(name)
+    area, normal = node_geometry(mesh.points, mesh.sides(name))
+    return nodes, area[nodes], normal[nodes]
+
+
+def node_geometry(points: FloatArray, groups: Iterable[IntArray]) -> tuple[FloatArray, FloatArray]:
+    """Area (n_nodes,) in m2 and mean unit normal (n_nodes, 3) of all nodes from groups of sides (m, k); zero off the
+    sides. :func:`face_geometry` has the weights."""
+    area = np.zeros(len(points))
+    normal = np.zeros((len(points), 3))
+    for sides in groups:
+        share, direction = side_geometry(points[sides])
         np.add.at(area, sides, share)
         np.add.at(normal, sides, share[:, :, None] * direction[:, None, :])
-    nodes = mesh.node_set(name)
-    length = np.linalg.norm(normal[nodes], axis=1, keepdims=True)
-    return nodes, area[nodes], np.divide(normal[nodes], length, out=np.zeros_like(normal[nodes]), where=length > 0.0)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    return area, np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
 
 
 def side_geometry(points: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -71,7 +71,7 @@ def study_of_model(model: ImportedModel, file: str, own_system: str | None) -> s
         *_bodies(model),
         *_joints(model),
         "\n".join(_STIFFNESS) + "\n" + _to_complete("roughness", ('sq = "... um"', 'sample_length = "... mm"')),
-        "".join(f"{line}\n" for line in _forces(model)) + _to_complete("forces.drive", (*where, 'amplitude = "... N"')),
+        *_excitation(model, where),
         _to_complete("responses.output", where),
     ]
     return "\n".join(parts)
@@ -109,7 +109,10 @@ def _sets(model: ImportedModel) -> Iterator[str]:
     """The names that a study may use."""
     mesh = model.mesh
     faces = sorted(mesh.face_sets)
-    others = sorted(name for name in mesh.node_sets.keys() - mesh.face_sets.keys() if name[0] not in _INTERNAL)
+    others = sorted(
+        (name for name in mesh.node_sets.keys() - mesh.face_sets.keys() if name[0] not in _INTERNAL),
+        key=lambda name: (name in mesh.element_sets, name),
+    )
     for words, names in (("Face sets", faces), ("Other sets", others)):
         if names:
             more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
@@ -207,9 +210,36 @@ def _new_name(pair: RawContact, used: set[str]) -> str:
     return chosen
 
 
-def _forces(model: ImportedModel) -> Iterator[str]:
-    """The forces of the model, which a study does not use, as a comment."""
-    loaded = np.flatnonzero(model.node_forces.any(axis=1))
-    if loaded.size:
-        total = ", ".join(f"{force:.6g}" for force in model.node_forces.sum(axis=0))
-        yield f"# The model has forces on {loaded.size} nodes with the sum ({total}) N, which a study does not use."
+def _excitation(model: ImportedModel, where: tuple[str, str]) -> Iterator[str]:
+    """The force to complete. A study takes over no force of the model; where the model has a single one, the lines have
+    its values."""
+    rest = (*where, 'amplitude = "... N"')
+    comment = ""
+    if model.loads:
+        force = np.sum(list(model.loads.values()), axis=0)
+        place, size = _loaded_place(model), float(np.abs(force).max())
+        total = ", ".join(f"{each:.6g}" for each in force)
+        nodes = f"{len(model.loads)} nodes" if len(model.loads) > 1 else "a node"
+        comment = f"# The model has a force of ({total}) N on {nodes}, which a study does not use by itself"
+        if place is None or not size > 0.0:
+            comment += ".\n"
+        else:
+            comment += "; these lines have\n# its values. Keep them if it is the excitation.\n"
+            direction = ", ".join(f"{each / size + 0.0:.6g}" for each in force)
+            amplitude = f"{np.linalg.norm(force):.6g} N"
+            rest = (place, f"direction = [{direction}]", f"amplitude = {_text(amplitude)}")
+    yield comment + _to_complete("forces.drive", rest)
+
+
+def _loaded_place(model: ImportedModel) -> str | None:
+    """The place of the model's forces as a key of a study; None unless it is one node, or a node set under equal
+    forces."""
+    labels, forces = list(model.loads), np.array(list(model.loads.values()))
+    if len(labels) == 1:
+        return f"node = {labels[0]}"
+    if np.isin(labels, list(model.reference_forces)).any() or not np.allclose(forces, forces[0]):
+        return None
+    loaded = np.sort(model.node_numbers(np.array(labels)))
+    names = (name for name, nodes in model.mesh.node_sets.items() if np.array_equal(np.sort(nodes), loaded))
+    name = next(names, None)
+    return None if name is None else f"set = {_text(name)}"

@@ -53,6 +53,8 @@ class Proposal:
 
     def rows(self, case: Case) -> Iterator[tuple[str, str]]:
         """(label, value) for ``stickslip check``."""
+        from stickslip.reporting.style import length  # at the first use, as other modules of pages
+
         if self.onset is None:
             yield "linear peaks", f"not computed: {self.trouble}"
             return
@@ -63,7 +65,7 @@ class Proposal:
             if peak is not None:
                 size = "no bound without viscous damping"
                 if math.isfinite(peak.amplitude):
-                    size = f"{1e6 * peak.amplitude:.4g} um under this excitation"
+                    size = f"{' '.join(length(peak.amplitude))} under this excitation"
                 text = f"{hertz(peak.frequency_hz)} Hz, {size}"
             yield f"linear peak, {words}", text
         shown = kind_of(case).excitation_keys(case)

@@ -10,7 +10,7 @@ from itertools import zip_longest
 import numpy as np
 
 from stickslip.case.analysis import ForcedAnalysis
-from stickslip.case.case import Case
+from stickslip.case.case import Case, TwoBladeCase
 from stickslip.case.reference import MODE_COUNT
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.exponential import ExponentialContact
@@ -83,7 +83,7 @@ def study_record(
         mode_contact=contact_model,
         mode_reference="" if case.reference is None else case.reference.source,
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *linear_natural_frequencies(response)),
-        warnings=(*study_warnings(case, model.joint), *doubts, *_few_rows(model, response)),
+        warnings=(*study_warnings(case, model.joint), *doubts, *_few_rows(case, model, response)),
         notes=model.joint.layout.notes,
     )
 
@@ -112,7 +112,7 @@ def changed_inputs(record: StudyRecord) -> tuple[str, ...]:
         return ()
 
 
-def _few_rows(model: ReducedModel, response: ForcedResponse) -> Iterator[str]:
+def _few_rows(case: Case, model: ReducedModel, response: ForcedResponse) -> Iterator[str]:
     """A warning where pairs separate at the peak on faces with few rows of pairs: the border of contact is coarse."""
     pairs = model.joint.face_pairs
     few = faces_with_few_rows(pairs.face, pairs.face_position)
@@ -120,11 +120,11 @@ def _few_rows(model: ReducedModel, response: ForcedResponse) -> Iterator[str]:
     opening = response.contact_state[peak] == ContactState.SEPARATING
     coarse = {face: rows for face, rows in few.items() if opening[pairs.face == face].any()}
     if coarse:
-        names = ", ".join(f"{model.joint.face_names[face]} {rows}" for face, rows in coarse.items())
+        names = ", ".join(f"{rows} on {model.joint.face_names[face]}" for face, rows in coarse.items())
+        finer = "mesh.contact_columns = 8" if isinstance(case, TwoBladeCase) else "a finer mesh of the face"
         yield (
-            f"At the peak {int(opening.sum())} pairs separate, on faces with few rows of pairs ({names}). The border "
-            f"of contact is then coarse: {EFFECT_OF_FEW_ROWS}. Compare with at least {FEW_ROWS} rows: a finer mesh of "
-            "the face, for two blades mesh.contact_columns = 8."
+            f"At the peak {int(opening.sum())} pairs separate, on faces with few rows of pairs: {names}. The border "
+            f"of contact is then coarse: {EFFECT_OF_FEW_ROWS}. Compare with at least {FEW_ROWS} rows: {finer}."
         )
 
 

@@ -185,10 +185,15 @@ def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
     rows += stress_rows(record.stress) if record.stress is not None else ()
     width = max(len(name) for name, _, _ in rows)
     lines = [f"{response.message} {response.n_points} points."]
-    lines += [f"  {name:<{width}}  {value} {unit}" for name, value, unit in rows]
+    lines += [f"  {name:<{width}}  {_with_unit(value, unit)}" for name, value, unit in rows]
     lines += [f"Warning: {sentence}" for sentence in (*record.warnings, *response.warnings)]
     lines += [line for name, part in response.parts.items() for line in part.closing_words(name)]
     return "\n".join(lines)
+
+
+def _with_unit(value: str, unit: str) -> str:
+    """A value of the summary; without a unit where it has none, or where it is not available."""
+    return value if "-" in (value, unit) else f"{value} {unit}"
 
 
 def report(folder: str | PathLike[str]) -> tuple[Path, ...]:

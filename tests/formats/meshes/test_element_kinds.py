@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 
@@ -135,3 +136,12 @@ def test_faults_of_elements_are_found_in_every_format(
     else:
         with rejects(ImportFileError):
             read_model(path, "mm")
+
+
+@pytest.mark.parametrize("kind", ["hexahedron27", "wedge18"])
+def test_solids_with_inner_nodes_are_rejected_with_the_setting_of_gmsh(tmp_path: Path, kind: str) -> None:
+    count = int(kind.removeprefix("hexahedron").removeprefix("wedge"))
+    points = np.random.default_rng(count).uniform(size=(count, 3))
+    meshio.write_points_cells(tmp_path / "model.vtu", points, [(kind, np.arange(count)[None])])
+    with rejects(ImportFileError):
+        read_model(tmp_path / "model.vtu", "mm")

@@ -116,14 +116,16 @@ def pair_surfaces(
     require_choice("points", points, get_args(Points))
     require_choice("adjust", adjust, get_args(Adjust))
     with concerning("first"):
-        face = SurfaceMesh.of(mesh, first)
+        whole = SurfaceMesh.of(mesh, first)
     with concerning("second"):
-        other = SurfaceMesh.of(mesh, second)
-    _require_own_nodes(first, face.nodes, second, other.nodes)
-    length, other_length = (float(np.sqrt(surface.side_area.mean())) for surface in (face, other))
+        whole_other = SurfaceMesh.of(mesh, second)
+    _require_own_nodes(first, whole.nodes, second, whole_other.nodes)
+    length, other_length = (float(np.sqrt(surface.side_area.mean())) for surface in (whole, whole_other))
     search = _length("search_distance", search_distance, _SEARCH_FRACTION * max(length, other_length))
     edge = _length("edge_tolerance", edge_tolerance, _EDGE_FRACTION * length)
-    none = _length("gap_tolerance", gap_tolerance, _GAP_FRACTION * face.size)
+    none = _length("gap_tolerance", gap_tolerance, _GAP_FRACTION * whole.size)
+    face, away = _touching_parts(whole, whole_other, search, edge)
+    other, other_away = _touching_parts(whole_other, whole, search, edge)
 
     nodes = _node_places(face)
     node_projection = project(nodes.points, nodes.normal, other, search, edge)
@@ -138,6 +140,7 @@ def pair_surfaces(
             Unpaired.of(places.node, places.points, places.normal, places.area, projection),
             _uncovered(face, cut, nodes, node_projection),
         )
+    missed = Unpaired.joined(missed, away)
     paired = np.flatnonzero(projection.reason == PAIRED)
     if not paired.size:
         finite = np.abs(missed.gap[np.isfinite(missed.gap)])
@@ -164,12 +167,15 @@ def pair_surfaces(
         measured_gap=gap,
         overhang=projection.overhang[paired],
         unpaired_first=missed,
-        unpaired_second=Unpaired.of(
-            opposite.node, opposite.points, opposite.normal, opposite.area,
-            project(opposite.points, opposite.normal, face, search, edge),
+        unpaired_second=Unpaired.joined(
+            Unpaired.of(
+                opposite.node, opposite.points, opposite.normal, opposite.area,
+                project(opposite.points, opposite.normal, face, search, edge),
+            ),
+            other_away,
         ),
-        first_area=face.area,
-        second_area=other.area,
+        first_area=whole.area,
+        second_area=whole_other.area,
         search_distance=search,
         edge_tolerance=edge,
         gap_tolerance=none,
@@ -178,6 +184,29 @@ def pair_surfaces(
         has_midside_nodes=bool((face.width > 4).any()),
         is_first_coarser=length > _COARSER * other_length,
     )  # fmt: skip
+
+
+def _touching_parts(face: SurfaceMesh, other: SurfaceMesh, search: float, edge: float) -> tuple[SurfaceMesh, Unpaired]:
+    """The parts of a face between sharp edges that have a partner on the other face, and the nodes of the rest.
+
+    The contact body of a Nastran deck has all sides of a solid. Those round the edge of the contact must not turn the
+    smoothed normals at the edge, nor add their area to its nodes. A face whose parts all lack partners stays whole; the
+    message that there are no pairs then lists its nodes.
+    """
+    part = face.smooth_parts
+    count = int(part.max()) + 1
+    touches = np.zeros(count, dtype=bool)
+    for number in range(count if count > 1 else 0):
+        one = face.only(np.flatnonzero(part == number))
+        points, normal = (
+            np.vstack([one.points[one.nodes], one.centre]),
+            np.vstack([one.normal[one.nodes], one.side_normal]),
+        )
+        touches[number] = (project(points, normal, other, search, edge).reason == PAIRED).any()
+    kept = touches[part]
+    if kept.all() or not kept.any():
+        return face, Unpaired.none()
+    return face.only(np.flatnonzero(kept)), Unpaired.on_other_parts(face.only(np.flatnonzero(~kept)))
 
 
 def pair_with_ground(

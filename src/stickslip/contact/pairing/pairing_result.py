@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.contact.pairing.face_pairs import FacePairs
-from stickslip.contact.pairing.projection import LARGEST_ANGLE_DEG, PAIRED, REASONS, Projection
+from stickslip.contact.pairing.projection import LARGEST_ANGLE_DEG, OTHER_PART, PAIRED, REASONS, Projection
+from stickslip.contact.pairing.surface_mesh import SurfaceMesh
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.structure.export import write_points
@@ -64,6 +65,15 @@ class Unpaired:
         )
 
     @staticmethod
+    def on_other_parts(sides: SurfaceMesh) -> Unpaired:
+        """The nodes of sides round a sharp edge of the face, where nothing has a partner."""
+        count = len(sides.nodes)
+        return Unpaired(
+            sides.nodes, sides.points[sides.nodes], sides.normal[sides.nodes], sides.node_area,
+            np.full(count, OTHER_PART), np.full(count, np.inf), np.zeros(count),
+        )  # fmt: skip
+
+    @staticmethod
     def none() -> Unpaired:
         """No points."""
         number, one, three = np.empty(0, dtype=np.int64), np.empty(0), np.empty((0, 3))
@@ -75,6 +85,10 @@ class Unpaired:
         return Unpaired(
             *(np.concatenate(both) for both in zip(vars(first).values(), vars(second).values(), strict=True))
         )
+
+    def without(self, reason: int) -> Unpaired:
+        """Those with other reasons."""
+        return Unpaired(*(value[self.reason != reason] for value in vars(self).values()))
 
     def __len__(self) -> int:
         return len(self.node)
@@ -153,11 +167,12 @@ class Pairing:
     def _warnings(self) -> Iterator[str]:
         alone, gap = self.unpaired_first, self.pairs.gap
         names = f"'{self.first}' and '{self.second}'"
-        if len(alone):
-            area = float(alone.area.sum())
+        own = alone.without(OTHER_PART)
+        if len(own):
+            area = float(own.area.sum())
             yield (
-                f"{1e6 * area:.4g} mm2 of face '{self.first}' ({100 * area / self.first_area:.3g} %) has no partner on "
-                f"'{self.second}' and carries no load: {alone.counts()}. If this part should touch, look at its "
+                f"{1e6 * area:.4g} mm² of face '{self.first}' ({100 * area / self.first_area:.3g} %) has no partner on "
+                f"'{self.second}' and carries no load: {own.counts()}. If this part should touch, look at its "
                 "positions in the VTU file of the pairs, and check search_distance and edge_tolerance."
             )
         overlap = np.flatnonzero(gap < 0.0)
@@ -236,9 +251,9 @@ def write_pairs(path: str | Path, pairings: Sequence[Pairing]) -> Path:
     """Write pairs and unpaired points of interfaces as points of one .vtu file, for ParaView.
 
     Fields: ``interface`` (its number), ``side`` (1: first face, 2: second face), ``reason`` (0 paired; 1 beyond the
-    edge, 2 farther than the search distance, 3 on sides that do not face each other), ``gap mm`` (NaN without an
-    intersection), ``overhang mm``, ``area mm2``, ``normal``, and ``tangent 1`` (zero for unpaired points). Raises
-    InputError for no pairings, another suffix, or a folder that cannot be written.
+    edge, 2 farther than the search distance, 3 on sides that do not face each other, 4 round a sharp edge), ``gap mm``
+    (NaN without an intersection), ``overhang mm``, ``area mm2``, ``normal``, and ``tangent 1`` (zero for unpaired
+    points). Raises InputError for no pairings, another suffix, or a folder that cannot be written.
     """
     if not pairings:
         raise InputError("write_pairs has no pairings; give it at least one Pairing.")

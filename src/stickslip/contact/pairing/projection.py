@@ -25,8 +25,14 @@ from stickslip.core.validation import FloatArray
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.shapes import side_shape_functions
 
-PAIRED, BEYOND_EDGE, TOO_FAR, NOT_FACING = 0, 1, 2, 3  # indices in REASONS
-REASONS = ("paired", "beyond the edge", "farther than the search distance", "on sides that do not face each other")
+PAIRED, BEYOND_EDGE, TOO_FAR, NOT_FACING, OTHER_PART = 0, 1, 2, 3, 4  # indices in REASONS
+REASONS = (
+    "paired",
+    "beyond the edge",
+    "farther than the search distance",
+    "on sides that do not face each other",
+    "on other sides of the body, round a sharp edge",
+)
 LARGEST_ANGLE_DEG = 60.0  # between a normal and the reversed normal of the other face
 _NEWTON_STEPS = 20  # chosen: more than quadratic convergence needs; without it there is no partner
 _NEAREST_SIDES = 8  # searched for the reason why a point has no partner

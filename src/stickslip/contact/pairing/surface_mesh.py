@@ -6,14 +6,20 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
-from stickslip.structure.faces import face_geometry, side_geometry
+from stickslip.structure.faces import face_geometry, node_geometry, side_geometry
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import side_shape_functions
 from stickslip.structure.side_parts import SIDE_BORDER
 
+SHARP_EDGE_DEG = (
+    60.0  # chosen: a larger angle between two sides is an edge, as of a box; facets of round faces turn less
+)
+_ROUND_OFF = 1e-12  # of the size of a face
 WIDEST_SIDE = 8  # nodes; rows of sides with fewer are filled up
 
 
@@ -71,6 +77,14 @@ class SurfaceMesh:
         width = np.concatenate([np.full(len(side), side.shape[1]) for side in groups])
         return SurfaceMesh(name, mesh.points, nodes, area, normal, np.concatenate(filled).astype(np.int64), width)
 
+    def only(self, members: IntArray) -> SurfaceMesh:
+        """The face that consists of the sides ``members`` alone: area and normal of its nodes are those of them."""
+        sides, width = self.sides[members], self.width[members]
+        groups = [sides[at, :each] for each, at in self.by_width(members)]
+        area, normal = node_geometry(self.points, groups)
+        nodes = self.nodes[np.isin(self.nodes, sides)]
+        return SurfaceMesh(self.name, self.points, nodes, area[nodes], normal, sides, width)
+
     @cached_property
     def area(self) -> float:
         """m2 of the whole face."""
@@ -99,6 +113,28 @@ class SurfaceMesh:
             share, normal[members] = side_geometry(self.points[self.sides[members, :width]])
             area[members] = share.sum(axis=1)
         return area, normal
+
+    @cached_property
+    def smooth_parts(self) -> IntArray:
+        """(m,) number of the part of each side: sharp edges and gaps divide the face into parts."""
+        corners = np.where(np.isin(self.width, (3, 6)), 3, 4)
+        edges, side = [], []
+        for count in (3, 4):
+            members = np.flatnonzero(corners == count)
+            ring = self.sides[members, :count]
+            edges.append(np.sort(np.stack([ring, np.roll(ring, -1, axis=1)], axis=2), axis=2).reshape(-1, 2))
+            side.append(np.repeat(members, count))
+        edge = np.unique(np.concatenate(edges), axis=0, return_inverse=True)[1].ravel()
+        owner = np.concatenate(side)
+        order = np.argsort(edge, kind="stable")
+        shared = np.flatnonzero(np.diff(edge[order]) == 0)
+        one, two = owner[order[shared]], owner[order[shared + 1]]
+        smooth = np.einsum("ex,ex->e", self.side_normal[one], self.side_normal[two]) > np.cos(
+            np.radians(SHARP_EDGE_DEG)
+        )
+        count = len(self.sides)
+        joined = coo_matrix((np.ones(int(smooth.sum())), (one[smooth], two[smooth])), shape=(count, count))
+        return np.asarray(connected_components(joined, directed=False)[1], dtype=np.int64)
 
     @cached_property
     def centre(self) -> FloatArray:
@@ -133,7 +169,7 @@ class SurfaceMesh:
                 chord = self.points[nodes] - self.points[other]
                 turn = self.normal[nodes] - self.normal[other]
                 height = max(height, float(np.abs(np.einsum("mkx,mkx->mk", chord, turn)).max()) / 8.0)
-        return height
+        return height if height > _ROUND_OFF * self.size else 0.0
 
     def by_width(self, sides: IntArray) -> list[tuple[int, IntArray]]:
         """Positions in ``sides`` (q,), numbers of sides, grouped by the number of nodes of the side."""

@@ -71,6 +71,7 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
     numbers = _NodeNumbers(raw, labels)
     attachments = build_points(raw, units, numbers.of, len(labels), equations, messages, doubts)
     reference_sets = _reference_sets(raw, equations)
+    forces, reference_forces = _forces(raw, units, numbers, len(labels))
     messages += _without_solids("element", raw.element_sets, elements)
     messages += _without_solids("node", raw.node_sets, {**nodes, **reference_sets})
     return ImportedModel(
@@ -85,7 +86,8 @@ def build_model(raw: RawModel, units: UnitSystem, temperature: float | None = No
         unit_system=units.name,
         materials=materials,
         fixed_unknowns=_fixed(raw, numbers, len(labels)),
-        node_forces=_forces(raw, units, numbers, len(labels)),
+        node_forces=forces,
+        reference_forces=reference_forces,
         equations=equations,
         reference_sets=reference_sets,
         attachments=attachments,
@@ -285,17 +287,22 @@ def _fixed(raw: RawModel, numbers: _NodeNumbers, n_nodes: int) -> IntArray:
     return np.flatnonzero(constrained)
 
 
-def _forces(raw: RawModel, units: UnitSystem, node_numbers: _NodeNumbers, n_nodes: int) -> FloatArray:
-    """Forces (n_nodes, 3) N."""
+def _forces(
+    raw: RawModel, units: UnitSystem, node_numbers: _NodeNumbers, n_nodes: int
+) -> tuple[FloatArray, dict[int, FloatArray]]:
+    """Forces (n_nodes, 3) N on nodes of solids, and those (3,) on reference nodes by label."""
     forces = np.zeros((n_nodes, 3))
+    further: dict[int, FloatArray] = {}
     for load in raw.loads:
         numbers = node_numbers.of(load.nodes, load.line)
-        if not numbers.size and raw.ties.any():
-            continue  # a reference node
-        if not numbers.size:
+        if not numbers.size and not raw.ties.any():
             raw.fail(f"a force acts on node {raw.shown(load.nodes[0])}, which belongs to no solid element.", load.line)
         with np.errstate(over="ignore"):
-            forces[numbers, load.direction] += units.force * load.value
-        if not np.isfinite(forces[numbers, load.direction]).all():
+            force = units.force * load.value
+            forces[numbers, load.direction] += force
+        if not np.isfinite([force, *forces[numbers, load.direction]]).all():
             raw.fail(f"the force on node {raw.shown(load.nodes[0])} is too large for a number.", load.line)
-    return forces
+        if not numbers.size:
+            for label in load.nodes.tolist():
+                further.setdefault(label, np.zeros(3))[load.direction] += force
+    return forces, further

@@ -39,6 +39,8 @@ class ImportedModel:
         indices among the 3 * n_nodes displacements (node, then x, y, z) that the file constrains to zero.
     node_forces:
         (n_nodes, 3) N, the file's constant loads on nodes; zero where there is none.
+    reference_forces:
+        reference node of ``equations`` -> (3,) N, the file's constant load on it.
     equations:
         ties, rigid bodies, couplings and equations of the file, None without any.
     contacts:
@@ -70,6 +72,7 @@ class ImportedModel:
     materials: Mapping[str, Material] = field(default_factory=dict)
     fixed_unknowns: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     node_forces: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    reference_forces: Mapping[int, FloatArray] = field(default_factory=dict)
     label_ranges: tuple[LabelRange, ...] = ()
     equations: Equations | None = None
     contacts: tuple[RawContact, ...] = ()
@@ -108,6 +111,13 @@ class ImportedModel:
             constraints=tied,
         )
         return attach(solids, self.attachments)
+
+    @property
+    def loads(self) -> dict[int, FloatArray]:
+        """Number in the file of each loaded node, of the mesh and then of reference -> its force (3,) N."""
+        loaded = np.flatnonzero(self.node_forces.any(axis=1))
+        own = {int(self.node_labels[node]): self.node_forces[node] for node in loaded}
+        return own | {label: force for label, force in self.reference_forces.items() if force.any()}
 
     def shown(self, label: int) -> str:
         """A node or element as in the file."""

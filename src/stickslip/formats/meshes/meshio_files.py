@@ -30,6 +30,8 @@ from stickslip.structure.meshio_cells import complete_meshio
 
 _SURFACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 _LINES = ("vertex", "line", "line3")
+# Solids of second order with nodes inside faces or the solid, the default of Gmsh for bricks and wedges.
+_WITH_INNER_NODES = ("hexahedron27", "hexahedron24", "hexahedron25", "wedge18", "tetra14", "tetra15")
 # The mirrored cell: MED numbers solids in the opposite order of VTK, and most programs that write it do so. Programs
 # for which the order has no effect write such cells into other formats, too.
 _MIRRORED = {
@@ -159,7 +161,10 @@ def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
     for block in mesh.cells:
         cells = np.asarray(block.data)
         if block.type not in CELL_KINDS and block.type not in _SURFACES and block.type not in _LINES:
-            fail(source, f"the element type '{block.type}' is unknown; solids are: {', '.join(CELL_KINDS)}.")
+            remedy = ""
+            if block.type in _WITH_INNER_NODES:
+                remedy = " Omit the nodes inside faces and elements, in Gmsh with Mesh.SecondOrderIncomplete = 1."
+            fail(source, f"the element type '{block.type}' is unknown; solids are: {', '.join(CELL_KINDS)}.{remedy}")
         if cells.ndim != 2 or (block.type in CELL_KINDS and cells.shape[1] != CELL_KINDS[block.type].n_nodes):
             fail(source, f"{block.type} cells have the shape {cells.shape}.")
         bad = cells[(cells < 0) | (cells >= len(points))]
