@@ -70,7 +70,9 @@ def main() -> None:
     sector, blade = model.substructure.require_sector(), model.reduced.blade
     assert blade is not None
     pattern = deviations(case.mistuning, given.sectors)[0]
-    print(f"{sector}, {model.pairs.n_pairs} pairs: {time.process_time() - begin:.1f} s, {memory_gb():.2f} GB", flush=True)
+    print(
+        f"{sector}, {model.pairs.n_pairs} pairs: {time.process_time() - begin:.1f} s, {memory_gb():.2f} GB", flush=True
+    )
     stages: list[tuple[float, str]] = []
 
     def listen(fraction: float, detail: str) -> None:

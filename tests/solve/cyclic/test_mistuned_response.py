@@ -61,8 +61,8 @@ def mistuned_ring(sectors: int = SECTORS) -> Superelement:
     """The ring with the viscous damping of the tuned disk."""
     ring = full_ring(DISKS[sectors].sector)
     tuned = prepare_balances(
-        ring.superelement, ring.joint(dampers(sectors)), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, RATIO, "tractrix",
-        lambda stage: None,
+        ring.superelement, ring.joint(dampers(sectors)), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, RATIO,
+        "tractrix", lambda stage: None,
     )  # fmt: skip
     return replace(ring.mistuned(BLADES, PATTERN[:sectors]).superelement, damping=tuned.stuck.damping)
 
@@ -76,8 +76,8 @@ def both(sectors: int = SECTORS) -> tuple[Balance, Balance]:
     stuck = stuck_ring(sector, BLADES, PATTERN[:sectors], dampers(sectors), wide(), HIGHEST, RATIO)
     ring = full_ring(sector)
     of_ring = prepare_balances(
-        mistuned_ring(sectors), ring.joint(dampers(sectors)), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, None, "tractrix",
-        lambda stage: None,
+        mistuned_ring(sectors), ring.joint(dampers(sectors)), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, None,
+        "tractrix", lambda stage: None,
     )  # fmt: skip
     return stuck.balance(force, 64), of_ring.with_harmonics(HARMONICS)
 

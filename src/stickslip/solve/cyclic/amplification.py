@@ -13,6 +13,7 @@ mistuning on the vibration of turbomachine blades induced by wakes, J. Mech. Eng
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.optimize
@@ -219,7 +220,7 @@ class TunedDisk:
         sides = None if pairs is None else np.hsplit(wide_pairs(pairs, sector.size).operator, 2)
         springs = None if pairs is None else pairs.resting_stiffness()[:, None]
         frequencies, participations, outputs, forces = [], [], [], []
-        bases: dict[int, tuple[FloatArray, ComplexArray]] = {}  # of one direction; the other one has conjugate modes
+        bases: dict[int, tuple[FloatArray, NDArray[Any]]] = {}  # of one direction; the other one has conjugate modes
         for waves in range(count):
             matrices, lag, diameter = sector.lagged(waves), lag_of(waves, count), min(waves, count - waves)
             if diameter not in bases:

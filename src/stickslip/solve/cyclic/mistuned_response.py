@@ -40,9 +40,9 @@ from stickslip.structure.blade_alone import BladeAlone
 from stickslip.structure.cyclic_sector import CyclicSector
 
 UNCHECKED = (
-    "The curve of the mistuned disk was computed with harmonics = {harmonics}, without an estimate of the error: repeat "
-    "it with more harmonics. Its stability is not computed: parts of it may be motions that do not last. Peaks were "
-    "searched at the natural frequencies of the stuck and of the free disk, not at those of the disk whose contacts "
+    "The curve of the mistuned disk was computed with harmonics = {harmonics}, without an estimate of the error: "
+    "repeat it with more harmonics. Its stability is not computed: parts of it may be motions that do not last. Peaks "
+    "were searched at the natural frequencies of the stuck and of the free disk, not at those of the disk whose contacts "
     "partly slip: repeat it with a smaller largest_step."
 )
 LIMITS = ("stuck", "free")
@@ -192,11 +192,11 @@ def unreported_mistuned(
         amplitude = [periodic_amplitude(ring.outputs(each.amplitude, each.deviation).T) for each in trials]
     searched = "" if peaks is None else f" Search for missed peaks: {peaks.words(LIMITS)}."
     warnings = () if peaks is None else peaks.warnings()
-    places = [_hz(branch.retreats), _hz(branch.corners)]
+    neighbours = neighbour_warnings(_hz(branch.retreats), _hz(branch.corners), branch.crossings)
     return MistunedResponse(
         np.array([each.omega for each in trials]) / (2.0 * np.pi), np.array(amplitude), branch.complete,
         f"{how} {branch.message}{searched}", round(work.total), peaks,
-        (UNCHECKED.format(harmonics=harmonics), *warnings, *neighbour_warnings(*places, branch.crossings)),
+        (UNCHECKED.format(harmonics=harmonics), *warnings, *neighbours),
     )  # fmt: skip
 
 

@@ -5,10 +5,10 @@ Coefficients of the unknowns and of the pairs are those of sector after sector. 
 waves (block-circulant matrices; P. J. Davis, Circulant Matrices, 1979). Coefficients are real, so the waves d and N - d
 have conjugate amplitudes: arrays contain the D + 1 = N // 2 + 1 waves from 0 to N / 2 alone, and matrices as many.
 
-Modal amplitudes are real too, those of the standing waves: ``q_d = x_d`` where the wave is its own opposite (d = 0 and N
-/ 2), and else ``q_d = (x_d + i y_d) / sqrt(2)``, in the order x_0, x_1, ... x_D, y_1, y_2, ... Their Euclidean norm is
-the mass norm of the motion. Blades that differ change the stiffness of the disk by ``P^H diag(c) P`` with k rows a blade
-(:mod:`stickslip.structure.blade_alone`), which the formula of Sherman, Morrison and Woodbury adds to the response.
+Modal amplitudes are real too, those of the standing waves: ``q_d = x_d`` where the wave is its own opposite (d = 0 and
+N / 2), and else ``q_d = (x_d + i y_d) / sqrt(2)``, in the order x_0, x_1, ... x_D, y_1, y_2, ... Their Euclidean norm
+is the mass norm of the motion. Blades that differ change the stiffness of the disk by ``P^H diag(c) P`` with k rows a
+blade (:mod:`stickslip.structure.blade_alone`); the formula of Sherman, Morrison and Woodbury adds it to the response.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ class BladeChange:
     @property
     def sectors(self) -> int:
         """N."""
-        return self.changes.size // self.participation.shape[1]
+        return int(self.changes.size // self.participation.shape[1])
 
     def core(self, compliance: ComplexArray) -> ComplexArray:
         """``(I + C Q)^-1 C`` (N k, N k) with ``Q = P A P^H`` of a tuned response, whose waves (D+1, k, k) are
@@ -288,7 +288,9 @@ class RingModes:
     def _local(self) -> LocalCompliance:
         """The static compliance within a sector."""
         count = self._sectors
-        return LocalCompliance(*(all_waves(each, count).real.mean(axis=0) for each in (self._static.contact, self._far)))
+        return LocalCompliance(
+            *(all_waves(each, count).real.mean(axis=0) for each in (self._static.contact, self._far))
+        )
 
     def _standing(self, name: str, matrices: ComplexArray, chosen: NDArray[np.bool_]) -> FloatArray:
         """:func:`standing_shapes` of ``chosen`` (D+1, b) columns; the last ones are kept, as they hardly change."""
@@ -329,7 +331,7 @@ class RingNewton:
 
     @property
     def _rows(self) -> int:
-        return self.static.sectors * self.far.shape[1]
+        return int(self.static.sectors * self.far.shape[1])
 
     @cached_property
     def mean(self) -> FloatArray:

@@ -2,8 +2,8 @@
 
 Where contact is as stiff as the material around a pair, ``k A`` has no small eigenvalues, and no compliance of low rank
 is near A. But what remains without the modes that move bodies as wholes is local: it decays with the distance of two
-pairs. With a compliance that has only the blocks of groups of pairs, such as the pairs of each sector of a disk, ``I + D
-A`` has these blocks too.
+pairs. With a compliance that has only the blocks of groups of pairs, such as the pairs of each sector of a disk,
+``I + D A`` has these blocks too.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def _blocks(system: LocalEquations, compliance: LocalCompliance) -> Iterator[tup
 def _inverse(matrix: FloatArray) -> FloatArray:
     """The inverse; not finite for a singular matrix, so that the iteration fails and a factor of the whole follows."""
     try:
-        return np.linalg.inv(matrix)
+        return np.asarray(np.linalg.inv(matrix), dtype=float)
     except np.linalg.LinAlgError:
         return np.full_like(matrix, np.nan)
 

@@ -9,8 +9,9 @@ v`` satisfy
     z + G L^T D L z + G L^T c p = G L^T r,   -l D L z + (s - l c) p = r_p - l r,   v = r - D L z - c p,
 
 a system of some 200 unknowns. With a compliance ``A_l`` within groups of pairs as well
-(:mod:`stickslip.solve.harmonic.local_inverse`), ``D L``, c and r are those after the inverse of ``I + D A_l``. What remains for GMRES is ``D (A - A_0)``, which is small: 440 pairs take 7 iterations
-instead of 30 to 1e-3, and 9 instead of 36 to 1e-8 (docs/performance.md).
+(:mod:`stickslip.solve.harmonic.local_inverse`), ``D L``, c and r are those after the inverse of ``I + D A_l``. What
+remains for GMRES is ``D (A - A_0)``, which is small: 440 pairs take 7 iterations instead of 30 to 1e-3, and 9 instead
+of 36 to 1e-8 (docs/performance.md).
 """
 
 from __future__ import annotations
