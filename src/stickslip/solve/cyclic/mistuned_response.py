@@ -42,8 +42,8 @@ from stickslip.structure.cyclic_sector import CyclicSector
 UNCHECKED = (
     "The curve of the mistuned disk was computed with harmonics = {harmonics}, without an estimate of the error: "
     "repeat it with more harmonics. Its stability is not computed: parts of it may be motions that do not last. Peaks "
-    "were searched at the natural frequencies of the stuck and of the free disk, not at those of the disk whose contacts "
-    "partly slip: repeat it with a smaller largest_step."
+    "were searched at the natural frequencies of the stuck and of the free disk, not at those of the disk whose "
+    "contacts partly slip: repeat it with a smaller largest_step."
 )
 LIMITS = ("stuck", "free")
 
