@@ -26,6 +26,9 @@ from stickslip.solve.harmonic.gain import ComplexArray, DiagonalGain, times_gain
 from stickslip.solve.harmonic.harmonic_modes import IndexArray, LocalCompliance, LowRankCompliance
 
 ROOT = math.sqrt(0.5)
+# chosen: modes of the preconditioner beside the compliance within sectors, over those without it (24 sectors of 110
+# pairs: a third of the shapes, one iteration more).
+BESIDE_LOCAL = 3.0
 
 
 def to_waves(of_sectors: FloatArray) -> ComplexArray:
@@ -275,7 +278,8 @@ class RingModes:
         """See :class:`stickslip.solve.harmonic.harmonic_modes.HarmonicModes`, with the static compliance of the tuned
         disk within each sector, on the mean and of the far modes."""
         change, both = self._change, both_parts(self._sectors)
-        strong = np.abs(gain).max(axis=0) * (np.abs(self._near[0]) ** 2).sum(axis=1) > compliance
+        softness = np.abs(gain).max(axis=0) * (np.abs(self._near[0]) ** 2).sum(axis=1)
+        strong = softness > BESIDE_LOCAL * compliance
         shapes = self._standing("pairs", self._near[0], strong)
         blades = self._standing("blades", change.participation, strong)
         own = gain[:, both][:, strong[both]]

@@ -15,10 +15,12 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import ActiveRows
+from stickslip.solve.harmonic.factors import Factor
 from stickslip.solve.harmonic.harmonic_modes import LocalCompliance
 
-# chosen: a block with all coefficients has at most so many rows; else each harmonic has a block of its own.
-LARGEST_BLOCK = 1200
+# chosen: a block with all coefficients has at most so many rows; else each harmonic has a block of its own (24 sectors,
+# 800 rows each: half the time for the factors, and hardly more iterations).
+LARGEST_BLOCK = 300
 
 
 class LocalEquations(Protocol):
@@ -38,17 +40,18 @@ class LocalInverse:
 
     def solve(self, right: FloatArray) -> FloatArray:
         """The solution (size, ...) for right-hand sides (size, ...), whose rows are coefficient by coefficient."""
-        given = right.reshape(self._columns, -1, *right.shape[1:])
+        given = right.reshape(self._columns, len(right) // self._columns, *right.shape[1:])
         answer = given.copy()
-        for columns, outputs, inverse in self._parts:
+        for columns, outputs, factor in self._parts:
             part = given[columns, outputs]
-            answer[columns, outputs] = (inverse @ part.reshape(-1, *right.shape[1:])).reshape(part.shape)
+            answer[columns, outputs] = factor.solve(
+                part.reshape(part.shape[0] * part.shape[1], *right.shape[1:])
+            ).reshape(part.shape)
         return answer.reshape(right.shape)
 
 
-def _blocks(system: LocalEquations, compliance: LocalCompliance) -> Iterator[tuple[slice, slice, FloatArray]]:
-    """The blocks of the groups that move: coefficients, unknowns of each, and the inverse, whose product with a vector
-    takes a tenth of the time of a solution with the factor (170 rows)."""
+def _blocks(system: LocalEquations, compliance: LocalCompliance) -> Iterator[tuple[slice, slice, Factor]]:
+    """The blocks of the groups that move: coefficients, unknowns of each, and the factor."""
     active, width, rows = system.active, system.columns, len(compliance.far)
     tangent = system.tangent.reshape(-1, 3, width, 3, width)
     group = active.outputs // rows
@@ -63,15 +66,7 @@ def _blocks(system: LocalEquations, compliance: LocalCompliance) -> Iterator[tup
         count = last - first
         whole = width * count <= LARGEST_BLOCK
         for columns in [slice(0, width)] if whole else [slice(0, 1), *(slice(c, c + 2) for c in range(1, width, 2))]:
-            yield columns, outputs, _inverse(_block(tangent[pairs], mean, far, columns, position))
-
-
-def _inverse(matrix: FloatArray) -> FloatArray:
-    """The inverse; not finite for a singular matrix, so that the iteration fails and a factor of the whole follows."""
-    try:
-        return np.asarray(np.linalg.inv(matrix), dtype=float)
-    except np.linalg.LinAlgError:
-        return np.full_like(matrix, np.nan)
+            yield columns, outputs, Factor(_block(tangent[pairs], mean, far, columns, position))
 
 
 def _block(tangent: FloatArray, mean: FloatArray, far: FloatArray, columns: slice, position: FloatArray) -> FloatArray:
