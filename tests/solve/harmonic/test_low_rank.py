@@ -95,8 +95,13 @@ def test_a_local_compliance_is_inverted_in_its_groups(
         top[block] += system.deviation_change(moved).reshape(7, -1)[block]
     of_shapes = np.zeros((7, balance.rows))
     of_shapes[:, system.active.inputs] = compliance.relative(compliance.amplitude(inner.reshape(7, -1)))
-    right = top.ravel() + system.deviation_change(of_shapes) + border @ columns
-    np.testing.assert_allclose(inverse.solve(np.append(right, lines @ inner + corner @ border)), exact, atol=1e-6)
+    right = top.ravel() + system.deviation_change(of_shapes)
+    whole_right = np.append(right + border @ columns, lines @ inner + corner @ border)
+    np.testing.assert_allclose(inverse.solve(whole_right), exact, atol=1e-6)
+    none = np.empty((0, system.size))
+    without = system.low_rank_inverse(none, none, np.empty((0, 0)))
+    assert without is not None
+    np.testing.assert_allclose(without.solve(right), inner, atol=1e-6)
 
 
 def test_a_large_joint_takes_fewer_iterations(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
