@@ -12,6 +12,7 @@ from sectors import BLADE, OWN, SmallDisk, node
 from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
 from stickslip.solve.cyclic.balances import force_on_sector
 from stickslip.solve.cyclic.full_ring import full_ring
 from stickslip.solve.cyclic.mistuned_response import mistuned_response
@@ -24,11 +25,14 @@ from stickslip.structure.blade_alone import BladeAlone
 from stickslip.structure.superelement import Superelement
 
 SECTORS, HARMONICS, RATIO = 5, 2, 0.004
+EVEN = 6  # the wave N / 2 has no opposite
 WINDOW = (60.0, 130.0)
 HIGHEST = 2.0 * np.pi * WINDOW[1]
-DISK = SmallDisk.of(SECTORS, damped=False)
+DISKS = {count: SmallDisk.of(count, damped=False) for count in (SECTORS, EVEN)}
+DISK = DISKS[SECTORS]
 WAVE = Excitation.travelling_wave(2, DISK.force_cos[:, :1], DISK.force_sin[:, :1])
-DEVIATIONS = np.array([0.02, -0.03, 0.0, 0.01, 0.015])
+PATTERN = np.array([0.02, -0.03, 0.0, 0.01, 0.015, -0.01])
+DEVIATIONS = PATTERN[:SECTORS]
 ROW = np.zeros(OWN)
 ROW[node(BLADE)] = [1.0, 0.5, 0.0]
 
@@ -36,50 +40,60 @@ ROW[node(BLADE)] = [1.0, 0.5, 0.0]
 def blade() -> BladeAlone:
     """Two modes of the blade alone; their participation may be any matrix."""
     random = np.random.default_rng(5)
-    parts = {d: random.standard_normal((2, OWN)) + 1j * (d > 0) * random.standard_normal((2, OWN)) for d in range(3)}
+    lone = (0, EVEN // 2)  # waves that are their own opposites
+    parts = {
+        d: random.standard_normal((2, OWN)) + 1j * (d not in lone) * random.standard_normal((2, OWN)) for d in range(4)
+    }
     return BladeAlone(np.array([70.0, 110.0]), {d: 0.2 * part for d, part in parts.items()})
 
 
 BLADES = blade()
 
 
-def dampers() -> list[ContactPairs]:
+def dampers(sectors: int = SECTORS) -> list[ContactPairs]:
     """Those of one sector have less load."""
-    weak = DISK.pairs.with_constants(normal_load=0.5 * DISK.pairs.normal_load)
-    return [weak, *(SECTORS - 1) * [DISK.pairs]]
+    pairs = DISKS[sectors].pairs
+    weak = pairs.with_constants(normal_load=0.5 * pairs.normal_load)
+    return [weak, *(sectors - 1) * [pairs]]
 
 
-def mistuned_ring() -> Superelement:
+def mistuned_ring(sectors: int = SECTORS) -> Superelement:
     """The ring with the viscous damping of the tuned disk."""
-    ring = full_ring(DISK.sector)
+    ring = full_ring(DISKS[sectors].sector)
     tuned = prepare_balances(
-        ring.superelement, ring.joint(dampers()), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, RATIO, "tractrix",
-        lambda stage: None,
+        ring.superelement, ring.joint(dampers(sectors)), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, RATIO,
+        "tractrix", lambda stage: None,
     )  # fmt: skip
-    return replace(ring.mistuned(BLADES, DEVIATIONS).superelement, damping=tuned.stuck.damping)
+    return replace(ring.mistuned(BLADES, PATTERN[:sectors]).superelement, damping=tuned.stuck.damping)
 
 
-def both() -> tuple[Balance, Balance]:
+def both(sectors: int = SECTORS) -> tuple[Balance, Balance]:
     """The balance in waves, and that of the ring."""
     wave = WAVE.wave
     assert wave is not None
-    force = ring_force(force_on_sector(DISK.sector, WAVE, wave, HARMONICS).coefficients(1.0), wave, SECTORS)
-    wide = np.append(ROW, np.zeros(OWN))
-    stuck = stuck_ring(DISK.sector, BLADES, DEVIATIONS, dampers(), wide, HIGHEST, RATIO)
-    ring = full_ring(DISK.sector)
+    sector = DISKS[sectors].sector
+    force = ring_force(force_on_sector(sector, WAVE, wave, HARMONICS).coefficients(1.0), wave, sectors)
+    stuck = stuck_ring(sector, BLADES, PATTERN[:sectors], dampers(sectors), wide(), HIGHEST, RATIO)
+    ring = full_ring(sector)
     of_ring = prepare_balances(
-        mistuned_ring(), ring.joint(dampers()), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, None, "tractrix",
-        lambda stage: None,
+        mistuned_ring(sectors), ring.joint(dampers(sectors)), ring.excitation(WAVE), HIGHEST, HARMONICS, 64, None,
+        "tractrix", lambda stage: None,
     )  # fmt: skip
     return stuck.balance(force, 64), of_ring.with_harmonics(HARMONICS)
+
+
+def wide() -> FloatArray:
+    """The output of this sector and of the next one."""
+    return np.append(ROW, np.zeros(OWN))
 
 
 def assert_close(one: Any, other: Any) -> None:
     np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
 
 
-def test_the_equation_is_that_of_the_ring() -> None:
-    waves, ring = both()
+@pytest.mark.parametrize("sectors", [SECTORS, EVEN])
+def test_the_equation_is_that_of_the_ring(sectors: int) -> None:
+    waves, ring = both(sectors)
     omega = 2.0 * np.pi * 83.0
     linear = ring.linear(omega)
     assert_close(waves.linear(omega), linear)
@@ -99,11 +113,12 @@ def test_a_compliance_in_waves_has_no_unknowns_of_the_disk() -> None:
         waves.compliance.mean_transposed(np.zeros(OWN))
 
 
-def test_newtons_matrix_is_that_of_the_ring() -> None:
-    operators = [each.compliance.newton(2.0 * np.pi * 83.0, np.arange(0, 6 * SECTORS, 2)) for each in both()]
+@pytest.mark.parametrize("sectors", [SECTORS, EVEN])
+def test_newtons_matrix_is_that_of_the_ring(sectors: int) -> None:
+    operators = [each.compliance.newton(2.0 * np.pi * 83.0, np.arange(0, 6 * sectors, 2)) for each in both(sectors)]
     random = np.random.default_rng(1)
-    deviation, weights = (random.standard_normal((2 * HARMONICS + 1, size)) for size in (3 * SECTORS, 6 * SECTORS))
-    rows = np.arange(1, 6 * SECTORS, 3)
+    deviation, weights = (random.standard_normal((2 * HARMONICS + 1, size)) for size in (3 * sectors, 6 * sectors))
+    rows = np.arange(1, 6 * sectors, 3)
     for answer in (
         lambda each: each.apply(deviation),
         lambda each: each.apply_transposed(weights),
@@ -112,6 +127,25 @@ def test_newtons_matrix_is_that_of_the_ring() -> None:
         lambda each: each.block(2, rows),
     ):
         assert_close(*map(answer, operators))
+
+
+@pytest.mark.parametrize("sectors", [SECTORS, EVEN])
+def test_the_preconditioner_has_the_near_modes_and_the_compliance_within_sectors(sectors: int) -> None:
+    waves = both(sectors)[0]
+    columns, rows, omega = np.arange(0, 6 * sectors, 2), np.arange(1, 6 * sectors, 3), 2.0 * np.pi * 83.0
+    found = waves.compliance.low_rank(omega, rows, columns, 1e30)  # all near modes
+    assert found is not None
+    assert found.local is not None
+    newton: Any = waves.compliance.newton(omega, columns)
+    deviation = np.random.default_rng(1).standard_normal((2 * HARMONICS + 1, columns.size))
+    moved = found.relative(found.amplitude(deviation))
+    newton.far[:] = 0.0
+    assert_close(moved[1:], newton.apply(deviation)[1:, rows])
+    assert not moved[0].any()
+    force = np.random.default_rng(2).standard_normal(6)
+    tuned = stuck_ring(DISKS[sectors].sector, BLADES, np.zeros(sectors), dampers(sectors), wide(), HIGHEST, RATIO)
+    alone = tuned.compliance(HARMONICS).mean_relative(np.append(force, np.zeros(6 * sectors - 6)))
+    assert_close(found.local.mean @ force, alone[:6])
 
 
 @pytest.mark.long
@@ -128,6 +162,10 @@ def test_the_curve_is_that_of_the_ring() -> None:
     highest = found.amplitude.max(axis=0)
     np.testing.assert_allclose(highest, np.max(amplitude, axis=1), rtol=3e-3)  # points of the two curves differ
     assert highest.max() > 1.05 * highest.min()
+    assert found.peaks is not None
+    assert found.peaks.natural_frequencies >= 2 * SECTORS
+    assert not found.peaks.missed
+    assert "(stuck, free) checked" in found.message
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,10 @@ import pytest
 from helpers import Blade
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic import harmonic_modes, reduced
+from stickslip.solve.harmonic import harmonic_modes, local_inverse, reduced
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.factors import iterated
-from stickslip.solve.harmonic.harmonic_modes import NewtonCompliance
+from stickslip.solve.harmonic.harmonic_modes import LocalCompliance, NewtonCompliance
 from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
 from stickslip.solve.harmonic.reduced import NewtonSystem
 from stickslip.solve.harmonic.row_products import VECTORS, row_products
@@ -55,8 +56,52 @@ def test_the_inverse_is_exact_for_the_compliance_of_low_rank(balance: Balance, m
     inner, border = exact[: system.size], exact[system.size :]
     moved = compliance.relative(compliance.amplitude(inner.reshape(system.columns, -1)))
     assert np.abs(moved).max() > 0.0
-    top = inner + system.deviation_change(moved) + border @ columns
+    top = inner + system.change_of_inputs(moved) + border @ columns
     np.testing.assert_allclose(inverse.solve(np.append(top, lines @ inner + corner @ border)), exact, atol=1e-7)
+
+
+@pytest.mark.parametrize("rows_at_most", [1200, 1])  # one block a group, and one for each harmonic
+def test_a_local_compliance_is_inverted_in_its_groups(
+    balance: Balance, monkeypatch: pytest.MonkeyPatch, rows_at_most: int
+) -> None:
+    monkeypatch.setattr(local_inverse, "LARGEST_BLOCK", rows_at_most)
+    monkeypatch.setattr(reduced, "LARGE_ROWS", 1)
+    system, group = system_of(balance), 3 * (balance.pairs.n_pairs // 2)
+    parts = RNG.standard_normal((2, group, group)) / balance.springs.max() / group
+    local = LocalCompliance(*parts)
+    whole = np.zeros((2, balance.rows, balance.rows))
+    for start in range(0, balance.rows, group):
+        here = slice(start, start + group)
+        whole[:, here, here] = parts[:, : min(group, balance.rows - start), : min(group, balance.rows - start)]
+    low_rank = system._balance.compliance.low_rank
+
+    def with_local(*arguments: Any) -> Any:
+        return replace(low_rank(*arguments), local=local)
+
+    monkeypatch.setattr(balance.compliance, "low_rank", with_local)
+    columns, lines, corner = borders(system)
+    inverse = system.low_rank_inverse(columns, lines, corner)
+    assert inverse is not None
+    compliance = inverse._compliance
+    exact = RNG.standard_normal(system.size + 2)
+    inner, border = exact[: system.size], exact[system.size :]
+    force = system.scatter(inner)
+    blocks = [slice(0, 7)] if rows_at_most > 1 else [slice(0, 1), slice(1, 3), slice(3, 5), slice(5, 7)]
+    top = inner.reshape(7, -1).copy()
+    for block in blocks:  # what the local part of a block moves counts in this block alone
+        moved = np.zeros((7, balance.rows))
+        for coefficient in range(block.start, block.stop):
+            moved[coefficient] = whole[min(coefficient, 1)] @ force[coefficient]
+        top[block] += system.deviation_change(moved).reshape(7, -1)[block]
+    of_shapes = np.zeros((7, balance.rows))
+    of_shapes[:, system.active.inputs] = compliance.relative(compliance.amplitude(inner.reshape(7, -1)))
+    right = top.ravel() + system.deviation_change(of_shapes)
+    whole_right = np.append(right + border @ columns, lines @ inner + corner @ border)
+    np.testing.assert_allclose(inverse.solve(whole_right), exact, atol=1e-6)
+    none = np.empty((0, system.size))
+    without = system.low_rank_inverse(none, none, np.empty((0, 0)))
+    assert without is not None
+    np.testing.assert_allclose(without.solve(right), inner, atol=1e-6)
 
 
 def test_a_large_joint_takes_fewer_iterations(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:

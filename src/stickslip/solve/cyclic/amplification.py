@@ -13,6 +13,7 @@ mistuning on the vibration of turbomachine blades induced by wakes, J. Mech. Eng
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.optimize
@@ -219,14 +220,17 @@ class TunedDisk:
         sides = None if pairs is None else np.hsplit(wide_pairs(pairs, sector.size).operator, 2)
         springs = None if pairs is None else pairs.resting_stiffness()[:, None]
         frequencies, participations, outputs, forces = [], [], [], []
+        bases: dict[int, tuple[FloatArray, NDArray[Any]]] = {}  # of one direction; the other one has conjugate modes
         for waves in range(count):
-            matrices, lag = sector.lagged(waves), lag_of(waves, count)
-            stiffness = matrices.stiffness
-            if sides is not None:
-                operator = sides[0] + lag * sides[1]
-                stiffness = stiffness + operator.conj().T @ (springs * operator)
-            omega, modes = modal_basis(matrices.mass, stiffness)
-            kept = modes[:, omega <= highest]
+            matrices, lag, diameter = sector.lagged(waves), lag_of(waves, count), min(waves, count - waves)
+            if diameter not in bases:
+                stiffness = matrices.stiffness
+                if sides is not None:
+                    operator = sides[0] + lag * sides[1]
+                    stiffness = stiffness + operator.conj().T @ (springs * operator)
+                bases[diameter] = modal_basis(matrices.mass, stiffness)
+            omega, modes = bases[diameter]
+            kept = modes[:, omega <= highest] if waves == diameter else modes[:, omega <= highest].conj()
             alone = blade.in_wave(waves, count)
             # In sector s a wave has the lag to the power s.
             turns = np.array([lag_of(waves * place, count) for place in range(count)]) / np.sqrt(count)

@@ -71,6 +71,10 @@ class LaggedModes:
         _, mean, parts = self._cached
         return LaggedNewton(mean, parts, gain)
 
+    def low_rank(self, rows: IndexArray, columns: IndexArray, gain: ComplexArray, compliance: float) -> None:
+        """None: the harmonics have different modes."""
+        return
+
     def _of_columns(self, columns: IndexArray) -> list[NewtonPart]:
         """The parts of the harmonics for some columns; harmonics of one lag share theirs."""
         parts: dict[int, NewtonPart] = {}

@@ -26,7 +26,9 @@ from stickslip.solve.cyclic.ring_input import (
 from stickslip.solve.cyclic.stuck_ring import ring_force, stuck_ring
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import WORK_PER_POINT
+from stickslip.solve.harmonic.curve_warnings import neighbour_warnings
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.missed_peaks import PeakCheck, search_missed_peaks
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.landmarks import Landmark
@@ -38,10 +40,12 @@ from stickslip.structure.blade_alone import BladeAlone
 from stickslip.structure.cyclic_sector import CyclicSector
 
 UNCHECKED = (
-    "The curve of the mistuned disk was computed with harmonics = {harmonics}, without an estimate of the error. Its "
-    "stability is not computed, and no peak between two points is searched: repeat it with more harmonics and a "
-    "smaller largest_step."
+    "The curve of the mistuned disk was computed with harmonics = {harmonics}, without an estimate of the error: "
+    "repeat it with more harmonics. Its stability is not computed: parts of it may be motions that do not last. Peaks "
+    "were searched at the natural frequencies of the stuck and of the free disk, not at those of the disk whose "
+    "contacts partly slip: repeat it with a smaller largest_step."
 )
+LIMITS = ("stuck", "free")
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,8 @@ class MistunedResponse:
         whether the curve reaches its end, and a message.
     iterations:
         of Newton's method, weighted with the harmonics.
+    peaks:
+        the search for peaks between points; None if the curve does not reach its end.
     warnings:
         what is not known of the curve.
     """
@@ -67,6 +73,7 @@ class MistunedResponse:
     converged: bool
     message: str
     iterations: int
+    peaks: PeakCheck | None
     warnings: tuple[str, ...] = ()
 
     __repr__ = short_repr
@@ -180,9 +187,18 @@ def unreported_mistuned(
         first, how = first_point(solver, curve, start, lambda few: ring.balance(force.with_harmonics(few), samples))
         branch = Branch(solver, first, stop, settings, listen, _Resonances(marks), work=work)
         branch.follow()
+        peaks = search_missed_peaks(solver, [each.point for each in branch.points], marks) if branch.complete else None
         trials = [each.point.trial for each in branch.points]
         amplitude = [periodic_amplitude(ring.outputs(each.amplitude, each.deviation).T) for each in trials]
+    searched = "" if peaks is None else f" Search for missed peaks: {peaks.words(LIMITS)}."
+    warnings = () if peaks is None else peaks.warnings()
+    neighbours = neighbour_warnings(_hz(branch.retreats), _hz(branch.corners), branch.crossings)
     return MistunedResponse(
         np.array([each.omega for each in trials]) / (2.0 * np.pi), np.array(amplitude), branch.complete,
-        f"{how} {branch.message}", round(work.total), (UNCHECKED.format(harmonics=harmonics),),
+        f"{how} {branch.message}{searched}", round(work.total), peaks,
+        (UNCHECKED.format(harmonics=harmonics), *warnings, *neighbours),
     )  # fmt: skip
+
+
+def _hz(omega: Sequence[float]) -> list[float]:
+    return [each / (2.0 * np.pi) for each in omega]

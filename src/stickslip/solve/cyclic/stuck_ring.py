@@ -17,7 +17,15 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.cyclic.full_ring import joined_pairs
-from stickslip.solve.cyclic.ring_waves import BladeChange, MistunedGain, RingModes, RingStatic, to_sectors
+from stickslip.solve.cyclic.ring_waves import (
+    BladeChange,
+    MistunedGain,
+    RingModes,
+    RingStatic,
+    from_standing,
+    products,
+    to_sectors,
+)
 from stickslip.solve.cyclic.stuck_sector import pairs_on_mean
 from stickslip.solve.excitation import ExcitationForce, TravellingWave, lag_of
 from stickslip.solve.harmonic.balance import Balance
@@ -37,10 +45,10 @@ from stickslip.structure.cyclic_sector import CyclicSector
 
 @dataclass(frozen=True)
 class StuckRing:
-    """All sectors with stuck contacts; the arrays have a row for each of N waves, see :class:`RingModes`.
+    """All sectors with stuck contacts; the arrays have a row for each of D + 1 waves, see :class:`RingModes`.
 
     ``pairs`` are those of all sectors; the operator of the pairs is in the waves, so their own one is empty.
-    ``output`` (N, 1, n) is the row of the amplitudes of :meth:`outputs`.
+    ``output`` (D+1, 1, n) is the row of the amplitudes of :meth:`outputs`.
     """
 
     pairs: ContactPairs
@@ -74,12 +82,11 @@ class StuckRing:
 
     def outputs(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
         """Coefficients (2H+1, N) of the output of each sector, from modal amplitudes (2H, N n) and the deviation."""
-        count = len(self.modes)
-        waves = (amplitude[0::2] - 1j * amplitude[1::2]).reshape(-1, count, self.modes.shape[2])
-        moved = to_sectors((self.output @ waves.transpose(1, 2, 0)).transpose(2, 0, 1))[..., 0]
+        count = self.static.sectors
+        waves = from_standing(amplitude.reshape(len(amplitude), count, -1))
         answer = np.empty((len(amplitude) + 1, count))
         answer[0] = -self.static.outputs(deviation[0])
-        answer[1::2], answer[2::2] = moved.real, -moved.imag
+        answer[1:] = to_sectors(products(self.output, waves), count)[..., 0]
         return answer
 
 
@@ -141,7 +148,7 @@ def stuck_ring(
     closed = ~first.undetermined() + restraint * restrained(first)
     waves = [
         _wave(sector, number, first.operator, springs, springs * closed.ravel(), blade.in_wave(number, count), output)
-        for number in range(count)
+        for number in range(count // 2 + 1)
     ]
     frequency, modes, contact, alone, row = (np.array([each[place] for each in waves]) for place in range(5))
     joint, bent, shown, of_blade, shown_of_blade, stiff = (
@@ -149,7 +156,7 @@ def stuck_ring(
     )
     changes = blade.stiffness_changes(deviations, count).ravel()
     change = BladeChange(alone, changes)
-    static = RingStatic(joint, bent, shown, of_blade, shown_of_blade, change.core(stiff))
+    static = RingStatic(joint, bent, shown, of_blade, shown_of_blade, change.core(stiff).real, count)
     return StuckRing(
         joined_pairs(np.zeros((len(springs) * count, 1)), pairs), mean, restraint, highest_omega, frequency,
         modal_damping(frequency, modal_damping_ratio, highest_omega), modes, contact, change, static, row,

@@ -170,14 +170,14 @@ class Compliance:
         """A for the Newton matrix at ``omega``, for deviations on ``columns``."""
         return self._modes.newton(self._mean_contact, columns, self.gain.near(omega))
 
-    def low_rank(self, omega: float, columns: IndexArray, stiffness: float) -> LowRankCompliance | None:
-        """The part of :meth:`newton` whose products with a contact ``stiffness`` in N/m are not small.
+    def low_rank(
+        self, omega: float, rows: IndexArray, columns: IndexArray, stiffness: float
+    ) -> LowRankCompliance | None:
+        """The part of :meth:`newton` in some rows whose products with a contact ``stiffness`` in N/m are not small.
 
         None if the harmonics have different modes.
         """
-        if not isinstance(self._modes, SharedModes):
-            return None
-        return self._modes.low_rank(columns, self.gain.near(omega), STRONG / stiffness)
+        return self._modes.low_rank(rows, columns, self.gain.near(omega), STRONG / stiffness)
 
     @cached_property
     def _transposed_gain(self) -> ModalGain:

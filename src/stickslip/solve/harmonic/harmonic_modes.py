@@ -63,6 +63,12 @@ class HarmonicModes(Protocol):
     def newton(self, mean_contact: FloatArray, columns: IndexArray, gain: ComplexArray) -> NewtonOperator:
         """A for deviations on ``columns``, with the compliance (m, m) of the mean and the gains of the near modes."""
 
+    def low_rank(
+        self, rows: IndexArray, columns: IndexArray, gain: ComplexArray, compliance: float
+    ) -> LowRankCompliance | None:
+        """The near modes that are softer than a ``compliance`` in m/N in any harmonic, at ``rows`` and for deviations
+        on ``columns``; None if the harmonics have different modes."""
+
 
 @dataclass(frozen=True)
 class NewtonCompliance:
@@ -97,11 +103,20 @@ class NewtonCompliance:
 
 
 @dataclass(frozen=True)
-class LowRankCompliance:
-    """``A_0 = L G L^T`` of each harmonic, and ``L L^T`` of the mean; m rows of pairs and k of the unknowns.
+class LocalCompliance:
+    """The compliance within groups of r consecutive rows, the same in each: ``mean`` and ``far`` (r, r) m/N, that of
+    the harmonics."""
 
-    ``mean`` (m, c_0) and ``left`` (m, c) are L at all rows, ``mean_right`` and ``right`` at those of the unknowns;
-    ``gain`` is (H, c) or (H, c, c). Amplitudes are (c_0 + 2 H c,).
+    mean: FloatArray
+    far: FloatArray
+
+
+@dataclass(frozen=True)
+class LowRankCompliance:
+    """``A_0 = L G L^T`` of each harmonic, and ``L L^T`` of the mean; m rows of moving pairs and k of the unknowns.
+
+    ``mean`` (m, c_0) and ``left`` (m, c) are L at these rows, ``mean_right`` and ``right`` at those of the unknowns;
+    ``gain`` is (H, c) or (H, c, c). Amplitudes are (c_0 + 2 H c,). A ``local`` compliance is added to it.
     """
 
     mean: FloatArray
@@ -109,6 +124,7 @@ class LowRankCompliance:
     left: FloatArray
     right: FloatArray
     gain: ComplexArray
+    local: LocalCompliance | None = None
 
     def relative(self, amplitude: FloatArray) -> FloatArray:
         """``L z`` (2H+1, m) of amplitudes."""
@@ -176,13 +192,15 @@ class SharedModes:
         shape = amplitude.shape
         return np.asarray((amplitude.reshape(-1, shape[-1]) @ self.modes.T).reshape(shape))
 
-    def low_rank(self, columns: IndexArray, gain: ComplexArray, compliance: float) -> LowRankCompliance:
-        """The near modes that are softer than a ``compliance`` in m/N in any harmonic, for deviations on columns."""
+    def low_rank(
+        self, rows: IndexArray, columns: IndexArray, gain: ComplexArray, compliance: float
+    ) -> LowRankCompliance:
+        """See :class:`HarmonicModes`."""
         own = np.abs(gain if gain.ndim == 2 else np.einsum("hii->hi", gain)).max(axis=0)
         chosen = np.flatnonzero(own * (self._near_contact**2).sum(axis=0) > compliance)
         part = gain[:, chosen] if gain.ndim == 2 else gain[:, chosen[:, None], chosen]
         mean, left = self.mean_shapes(), self._near_contact[:, chosen]
-        return LowRankCompliance(mean, mean[columns], left, left[columns], part)
+        return LowRankCompliance(mean[rows], mean[columns], left[rows], left[columns], part)
 
     def newton(self, mean_contact: FloatArray, columns: IndexArray, gain: ComplexArray) -> NewtonOperator:
         """See :class:`HarmonicModes`."""

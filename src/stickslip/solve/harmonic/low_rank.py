@@ -8,8 +8,10 @@ v`` satisfy
 
     z + G L^T D L z + G L^T c p = G L^T r,   -l D L z + (s - l c) p = r_p - l r,   v = r - D L z - c p,
 
-a system of some 200 unknowns. What remains for GMRES is ``D (A - A_0)``, which is small: 440 pairs take 7 iterations
-instead of 30 to 1e-3, and 9 instead of 36 to 1e-8 (docs/performance.md).
+a system of some 200 unknowns. With a compliance ``A_l`` within groups of pairs as well
+(:mod:`stickslip.solve.harmonic.local_inverse`), ``D L``, c and r are those after the inverse of ``I + D A_l``. What
+remains for GMRES is ``D (A - A_0)``, which is small: 440 pairs take 7 iterations instead of 30 to 1e-3, and 9 instead
+of 36 to 1e-8 (docs/performance.md).
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import ActiveRows
 from stickslip.solve.harmonic.factors import Factor
 from stickslip.solve.harmonic.harmonic_modes import LowRankCompliance
+from stickslip.solve.harmonic.local_inverse import LocalInverse
 
 
 class ReducedEquations(Protocol):
@@ -32,7 +35,7 @@ class ReducedEquations(Protocol):
     size: int
     tangent: FloatArray
 
-    def deviation_change(self, relative: FloatArray) -> FloatArray: ...
+    def change_of_inputs(self, inputs: FloatArray) -> FloatArray: ...
 
 
 class LowRankInverse:
@@ -56,14 +59,18 @@ class LowRankInverse:
         lines: FloatArray,
         corner: FloatArray,
     ) -> None:
-        self._system, self._compliance, self._columns, self._lines = system, compliance, columns, lines
-        inner = self._change_of_shapes()
+        self._local = None if compliance.local is None else LocalInverse(system, compliance.local)
+        self._system, self._compliance, self._lines = system, compliance, lines
+        of_unknowns = self._change_of_shapes().transpose(1, 0, 2).reshape(system.size, -1)
+        if self._local is not None:
+            of_unknowns, columns = self._local.solve(of_unknowns), self._local.solve(columns.T).T
+        self._columns = columns
+        inner = of_unknowns.reshape(system.columns, -1, of_unknowns.shape[1]).transpose(1, 0, 2)
         n_shapes, borders = inner.shape[2], len(columns)
         matrix = np.empty((n_shapes + borders, n_shapes + borders))
         matrix[:n_shapes, :n_shapes] = np.eye(n_shapes) + self._amplitudes(inner)
         for i, column in enumerate(columns):
             matrix[:n_shapes, n_shapes + i] = compliance.amplitude(column.reshape(system.columns, -1))
-        of_unknowns = inner.transpose(1, 0, 2).reshape(system.size, n_shapes)
         matrix[n_shapes:, :n_shapes] = -(lines @ of_unknowns)
         matrix[n_shapes:, n_shapes:] = corner - lines @ columns.T
         self._factor = Factor(matrix)
@@ -72,10 +79,14 @@ class LowRankInverse:
         """The solution (size + b,) for a right-hand side; not finite where the matrix is singular."""
         system, compliance = self._system, self._compliance
         inner, border = right[: system.size], right[system.size :]
+        if self._local is not None:
+            inner = self._local.solve(inner)
         shapes = compliance.amplitude(inner.reshape(system.columns, -1))
         answer = self._factor.solve(np.append(shapes, border - self._lines @ inner))
         amplitude, parameters = answer[: shapes.size], answer[shapes.size :]
-        change = system.deviation_change(compliance.relative(amplitude))
+        change = system.change_of_inputs(compliance.relative(amplitude))
+        if self._local is not None:
+            change = self._local.solve(change)
         return np.append(inner - change - parameters @ self._columns, parameters)
 
     def _change_of_shapes(self) -> FloatArray:
@@ -83,7 +94,7 @@ class LowRankInverse:
         system, compliance = self._system, self._compliance
         active, width = system.active, system.columns
         n_pairs = active.pairs.size
-        mean, left = (each[active.inputs].reshape(n_pairs, 3, -1) for each in (compliance.mean, compliance.left))
+        mean, left = (each.reshape(n_pairs, 3, -1) for each in (compliance.mean, compliance.left))
         tangent = system.tangent.reshape(n_pairs, 3 * width, 3, width)
         of_mean = tangent[:, :, :, 0] @ mean
         others = tangent[:, :, :, 1:].transpose(0, 1, 3, 2).reshape(n_pairs, -1, 3) @ left

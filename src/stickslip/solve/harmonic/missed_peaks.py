@@ -45,12 +45,13 @@ class PeakCheck:
     failed_hz: tuple[float, ...]  # places without a solution
     missed: tuple[MissedPeak, ...]
 
-    def words(self) -> str:
-        """One sentence."""
+    def words(self, limits: tuple[str, ...] = ("stuck", "free", "tangent")) -> str:
+        """One sentence; ``limits`` are the structures whose natural frequencies were checked."""
         if not self.natural_frequencies:
-            return "no natural frequency of the stuck, free or tangent structure in the range is excited"
+            listed = f"{', '.join(limits[:-1])} or {limits[-1]}"
+            return f"no natural frequency of the {listed} structure in the range is excited"
         return (
-            f"{self.natural_frequencies} natural frequencies (stuck, free, tangent) checked, narrowest half-power "
+            f"{self.natural_frequencies} natural frequencies ({', '.join(limits)}) checked, narrowest half-power "
             f"width {self.narrowest_hz:.2g} Hz; {self.solved} places between points solved again, "
             f"{len(self.failed_hz)} without a solution; {len(self.missed)} missed peaks"
         )

@@ -71,13 +71,18 @@ class NewtonSystem:
         stiffness = float(self._balance.springs.max(initial=0.0))
         if self.rows < LARGE_ROWS or not stiffness or not self.size:
             return None
-        compliance = self._balance.compliance.low_rank(self._omega, self.active.outputs, stiffness)
+        active = self.active
+        compliance = self._balance.compliance.low_rank(self._omega, active.inputs, active.outputs, stiffness)
         return None if compliance is None else LowRankInverse(self, compliance, columns, lines, corner)
 
     def deviation_change(self, relative: FloatArray) -> FloatArray:
         """D @ relative: (size,) from (2H+1, m)."""
+        return self.change_of_inputs(relative[:, self.active.inputs])
+
+    def change_of_inputs(self, inputs: FloatArray) -> FloatArray:
+        """D @ relative: (size,) from the rows (2H+1, 3 n_moving) of the moving pairs."""
         active, width = self.active, 3 * self.columns
-        local = relative[:, active.inputs].reshape(self.columns, active.pairs.size, 3)
+        local = inputs.reshape(self.columns, active.pairs.size, 3)
         local = local.transpose(1, 2, 0).reshape(active.pairs.size, width, 1)
         force = (self.tangent.reshape(active.pairs.size, width, width) @ local).reshape(-1, self.columns)
         return np.asarray(force[active.output_position].T).ravel()
