@@ -20,7 +20,7 @@ def _with_whole_bodies(mesh: Mesh) -> Mesh:
         nodes = mesh.nodes_of_body(body)
         points = mesh.points[nodes]
         on_border = np.isclose(points, points.min(axis=0)) | np.isclose(points, points.max(axis=0))
-        return nodes[on_border.any(axis=1)]
+        return np.asarray(nodes[on_border.any(axis=1)])
 
     whole = {"lower body": outside(0), "upper body": outside(1)}
     return replace(mesh, node_sets={**mesh.node_sets, **whole})

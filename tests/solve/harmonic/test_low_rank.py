@@ -76,7 +76,9 @@ def test_a_local_compliance_is_inverted_in_its_groups(
     low_rank = system._balance.compliance.low_rank
 
     def with_local(*arguments: Any) -> Any:
-        return replace(low_rank(*arguments), local=local)
+        found = low_rank(*arguments)
+        assert found is not None
+        return replace(found, local=local)
 
     monkeypatch.setattr(balance.compliance, "low_rank", with_local)
     columns, lines, corner = borders(system)
