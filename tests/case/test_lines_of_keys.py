@@ -50,8 +50,7 @@ BLADES_WRONG = {
     "preload of another mesh": ('centrifugal_force = "500 N"', "values = [1.0, 2.0]", "line 11"),
     "no contact left": (
         'centrifugal_force = "500 N"',
-        'centrifugal_force = "0.5 mN"\n[roughness]\nfractal_roughness = "1e-7 m"\nfractal_dimension = 2.4\n'
-        'mode = "varying-curvature"',
+        'centrifugal_force = "0.5 mN"\n[roughness]\nfractal_roughness = "1e-7 m"\nfractal_dimension = 2.001',
         "line 12 (roughness), line 11 (preload.centrifugal_force)",
     ),
 }  # fmt: skip
