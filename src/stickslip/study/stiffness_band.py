@@ -15,7 +15,7 @@ from stickslip.model.model import ReducedModel, connect, load_joint
 from stickslip.model.rough_face import roughness_section
 from stickslip.results.response import ForcedResponse
 from stickslip.results.stiffness_band import StiffnessBand
-from stickslip.study.analyses import forced_curve
+from stickslip.study.analyses import MOST_POINTS, forced_curve
 
 KEY = "roughness.stiffness_factor"
 # chosen: relative error of the balance of curves whose stiffness is uncertain by a factor 3.
@@ -48,10 +48,13 @@ def with_stiffness_band(
     if not has_stiffness_band(case):
         return response
     warnings, curves = list(response.warnings), {}
+    # chosen: a curve beside the one of the study may take twice its points and the work of these, not that of a whole
+    # search for what goes on beyond an end.
+    most_points = max(MOST_POINTS, 2 * response.n_points)
     for place, factor in enumerate(FACTORS):
         try:
             other = _with_stiffness(case, model, response, factor)
-            curve = forced_curve(*other, _Stage(progress, place), threads, checks=False)
+            curve = forced_curve(*other, _Stage(progress, place), threads, checks=False, most_points=most_points)
         except StickslipError as error:
             warnings.append(f"The curve with {FACTORS[factor]} was not computed: {error}")
             continue

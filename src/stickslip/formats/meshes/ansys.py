@@ -18,6 +18,7 @@ import numpy as np
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.ansys_archive import Entry, read_archive
 from stickslip.formats.meshes.ansys_contact import CONTACT_TYPES, TARGET, ContactElements
+from stickslip.formats.meshes.ansys_ties import ConstraintEquations
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
 from stickslip.formats.meshes.raw_model import (
     RawBody,
@@ -38,7 +39,8 @@ _LAYERED = 1  # KEYOPT(3) of SOLID185 and SOLID186
 _TIES = "it connects nodes to each other in a way that is not read, and the model would be another one without it"
 _REJECTED = {
     **dict.fromkeys(
-        ("CP", "CE", "CEINTF", "CERIG", "RBE3", "CPINTF"), f"{_TIES}. Write the model as .inp with *EQUATION"
+        ("CP", "CEINTF", "CERIG", "RBE3", "CPINTF"),
+        f"{_TIES}. Write it as equations CE, which CDWRITE does for CERIG, CEINTF and RBE3",
     ),
     "EN": "elements one by one are not read. Write the archive with CDWRITE,DB and without the option UNBLOCKED",
 }
@@ -86,6 +88,7 @@ class _Reader:
         self._bodies: dict[tuple[int, int], list[int]] = {}  # material, type -> elements
         self._surface: dict[int, tuple[int, ...]] = {}  # corners of each surface element
         self._contacts = ContactElements()
+        self._ties = ConstraintEquations()
         self._constants: dict[tuple[int, str], tuple[float, int]] = {}  # material, label -> value, line
         self._components: list[Entry] = []
         self._skipped: dict[str, int] = {}
@@ -100,6 +103,7 @@ class _Reader:
             "MP": self._property,
             "MPDATA": self._property_table,
             "D": self._constraint,
+            "CE": self._ties.take,
             "F": self._force,
             **dict.fromkeys(_GLOBAL_LOADS, self._global_load),
         }
@@ -132,6 +136,13 @@ class _Reader:
         friction = {number: value for (number, label), (value, _) in self._constants.items() if label == "MU"}
         self._contacts.write(raw, solid_nodes, friction)
         raw.constraints, raw.ties.equations = basic_constraints(raw.constraints, self._frames)
+        equations, driven = self._ties.equations(self._frames)
+        raw.ties.equations += equations
+        if driven:
+            raw.messages.append(
+                f"equations CE with a constant other than 0 (number: {len(driven)}, first in line {driven[0]}): "
+                "stickslip sets it to 0, because displacements are about the state at rest."
+            )
         raw.loads = basic_loads(raw.loads, self._frames)
         if self._moved:
             raw.messages.append(
