@@ -33,10 +33,10 @@ class NewtonSettings:
     max_iterations:
         largest number of iterations.
     round_off_factor:
-        a point whose error is at most this many times the tolerance and no longer falls has reached its round-off, if no
-        part of a step lowers it as predicted either: contact much stiffer than the structure amplifies it. Such a point
-        counts as converged; the residual of the equation is reported with it. Beside a kink the error can be as small
-        without being round-off: there the plane has no solution.
+        a point whose error is at most this many times the tolerance and no longer falls has reached its round-off, if
+        no part of a step lowers it as predicted either: contact much stiffer than the structure amplifies it. Such a
+        point counts as converged; the residual of the equation is reported with it. Beside a kink the error can be as
+        small without being round-off: there the plane has no solution.
     fractions:
         fractions of a step, in the order of the attempts, until one lowers the error; otherwise the best of them
         counts.
