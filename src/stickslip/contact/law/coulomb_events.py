@@ -2,10 +2,9 @@
 
 The Fourier integrals of the force are sums over samples. A force with a kink between two samples differs from its sum
 by an amount that has corners of its own: each sample that changes state makes a corner in the curve of solutions. The
-kink at the fraction theta of a step, with a force that would arrive at T_0 + d without it and arrives at T_1 with it,
-adds ``theta (T_0 + d - T_1) / 2`` of a sample (trapezoidal rule on both sides of the instant), and similarly at
-lift-off and touchdown, where the force is zero on one side. With this part the integrals are those of a motion that is
-linear between samples. A pair that sticks and then lifts off in one step has two events: on its way to zero the
+kink at the fraction theta of a step, where the rate of the force falls by r, adds ``theta (1 - theta) r / 2`` of a
+sample (trapezoidal rule on both sides of the instant), and similarly at lift-off and touchdown, where the force is zero
+on one side. With this part the integrals are those of a motion that is linear between samples. A pair that sticks and then lifts off in one step has two events: on its way to zero the
 falling limit meets the force first, and the pair slips from there on. The sums are of second order, as sums are, but
 their error does not scatter with the place of the events between the samples, and they are continuously differentiable
 where one passes a sample. A corner remains at reversals: where another sample becomes the last that slips.
@@ -82,7 +81,8 @@ def event(
         return 1.0 - closed, 0.5 * (closed - 1.0) * new1, 0.5 * (closed - 1.0) * new2
     if code != SLIP:
         return 0.0, 0.0, 0.0
-    return onset_of_slip(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2)
+    theta, c1, c2 = onset_of_slip(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2)
+    return theta, c1, c2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -239,7 +239,8 @@ def event_jacobian(
     ``jacobian`` (2, 6) is that of the end of the step (of a step that does not end open).
     """
     if limit_end > 0.0 and limit_start > 0.0 and code == SLIP:
-        return onset_of_slip_jacobian(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, local)
+        theta, c1, c2 = onset_of_slip_jacobian(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, local)
+        return theta, c1, c2
     local[:] = 0.0
     theta, c1, c2 = event(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2, code)
     if (limit_end <= 0.0) == (limit_start <= 0.0):
