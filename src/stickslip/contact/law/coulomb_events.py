@@ -4,10 +4,11 @@ The Fourier integrals of the force are sums over samples. A force with a kink be
 by an amount that has corners of its own: each sample that changes state makes a corner in the curve of solutions. The
 kink at the fraction theta of a step, where the rate of the force falls by r, adds ``theta (1 - theta) r / 2`` of a
 sample (trapezoidal rule on both sides of the instant), and similarly at lift-off and touchdown, where the force is zero
-on one side. With this part the integrals are those of a motion that is linear between samples. A pair that sticks and then lifts off in one step has two events: on its way to zero the
-falling limit meets the force first, and the pair slips from there on. The sums are of second order, as sums are, but
-their error does not scatter with the place of the events between the samples, and they are continuously differentiable
-where one passes a sample. A corner remains at reversals: where another sample becomes the last that slips.
+on one side. With this part the integrals are those of a motion that is linear between samples. A pair that sticks and
+then lifts off in one step has two events: on its way to zero the falling limit meets the force first, and the pair
+slips from there on. The sums are of second order, as sums are, but their error does not scatter with the place of the
+events between the samples, and they are continuously differentiable where one passes a sample. A corner remains at
+reversals: where another sample becomes the last that slips.
 """
 
 from __future__ import annotations

@@ -39,14 +39,13 @@ class NewtonSettings:
         small without being round-off: there the plane has no solution.
     fractions:
         fractions of a step, in the order of the attempts, until one lowers the error; otherwise the best of them
-        counts. Where a body that friction alone supports begins to walk or stops, its displacement changes by decades
-        over a small part of the motion, and only a small fraction of a step does not overshoot.
+        counts.
     """
 
     tolerance: float = 1e-9
     max_iterations: int = 12
     round_off_factor: float = 100.0
-    fractions: tuple[float, ...] = (1.0, 2.0**-1, 2.0**-2, 2.0**-3, 2.0**-5, 2.0**-7, 2.0**-9, 2.0**-11)
+    fractions: tuple[float, ...] = (1.0, 0.5, 0.25, 0.125)
 
 
 @dataclass(frozen=True)
