@@ -63,7 +63,7 @@ def test_a_dip_below_the_limit_vanishes_with_its_square(ratios: tuple[float, flo
     first, last = LIMITS
     corrections = []
     for e in (1e-4, 1e-5):
-        theta, along, across = onset_of_slip(first, 0.0, last - first - e, 0.4, first, last, *ratios)
+        theta, along, across = onset_of_slip(first, 0.0, last - first - e, 0.4, first, last, *ratios, 0.6, 0.3)
         assert theta == pytest.approx(2.0 * first * e / (0.4**2 - (2.0 * (last - first) - e) * e), rel=1e-2)
         corrections.append(np.hypot(along, across))
     assert corrections[0] == pytest.approx(100.0 * corrections[1], rel=1e-2)
@@ -81,7 +81,7 @@ def test_a_dip_before_lift_off_vanishes_with_its_square() -> None:
 def test_on_a_straight_line_the_correction_is_that_of_the_trapezoidal_rule() -> None:
     """``theta (T_0 + d - T_1) / 2``: exact for a force that is linear before and after the onset."""
     first, last = LIMITS
-    theta, along, across = onset_of_slip(0.3, 0.0, 1.0, 0.0, first, last, 1.0, 1.0)
+    theta, along, across = onset_of_slip(0.3, 0.0, 1.0, 0.0, first, last, 1.0, 1.0, last, 0.0)
     assert theta == pytest.approx((first - 0.3) / (1.0 - last + first))
     assert along == pytest.approx(0.5 * theta * (0.3 + 1.0 - last))
     assert across == 0.0

@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from stickslip.contact.law.coulomb_kernel import SLIP, CodeArray, slip_onset
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
@@ -35,14 +37,17 @@ def onset_of_slip(
     limit_end: float,
     ratio1: float,
     ratio2: float,
+    new1: float,
+    new2: float,
 ) -> tuple[float, float, float]:
-    """Instant theta of the onset in a SLIP step, and the correction ``theta (1 - theta) / 2`` times the change of rate.
+    """Instant theta of the onset in a SLIP step that ends with the force T_1 = (new1, new2), and the correction.
 
     At the onset, with the force T = lambda n, the rate falls from d to ``d - g R n``, with the stiffness ratios R and
-    ``g = (n . d - dlambda) / (n . R n)``, so that the force follows the limit. This change, and not that of the mean
-    rates before and after, is the same on both sides of a sample, and vanishes with the onset of a pair that starts on
-    its limit and dips below it: where T turns, the others differ, which made a corner at each. On a straight line all
-    are equal. 0 for no onset.
+    ``g = (n . d - dlambda) / (n . R n)``, so that the force follows the limit. The correction is ``theta (1 - theta) /
+    2`` times this change of rate in the part ``1 - theta``, and ``theta (T_0 + d - T_1) / 2``, by the mean rates, in
+    the part theta. On a straight line both are equal. Where T turns, the first is the same on both sides of a sample,
+    and vanishes with the onset of a pair that starts on its limit and dips below it: the second has a corner at each.
+    But only the second bounds the force where it turns far within the step. 0 for no onset.
     """
     theta = slip_onset(t1, t2, d1, d2, limit_start, limit_end)
     on1, on2 = t1 + theta * d1, t2 + theta * d2
@@ -53,8 +58,9 @@ def onset_of_slip(
     rate = n1 * d1 + n2 * d2 - (limit_end - limit_start)
     if rate <= 0.0:  # it only grazes its limit
         return 0.0, 0.0, 0.0
-    share = 0.5 * theta * (1.0 - theta) * rate / (n1 * n1 * ratio1 + n2 * n2 * ratio2)
-    return theta, share * ratio1 * n1, share * ratio2 * n2
+    share = 0.5 * theta * (1.0 - theta) ** 2 * rate / (n1 * n1 * ratio1 + n2 * n2 * ratio2)
+    mean = 0.5 * theta**2
+    return theta, share * ratio1 * n1 + mean * (t1 + d1 - new1), share * ratio2 * n2 + mean * (t2 + d2 - new2)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -82,7 +88,7 @@ def event(
         return 1.0 - closed, 0.5 * (closed - 1.0) * new1, 0.5 * (closed - 1.0) * new2
     if code != SLIP:
         return 0.0, 0.0, 0.0
-    theta, c1, c2 = onset_of_slip(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2)
+    theta, c1, c2 = onset_of_slip(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2)
     return theta, c1, c2
 
 
@@ -106,7 +112,7 @@ def onset_before_lift_off(
     ``closed = 1`` and at ``onset = 0``, a place at the onset would leave a corner.
     """
     closed = limit_start / (limit_start - limit_end)
-    theta, c1, c2 = onset_of_slip(t1, t2, closed * d1, closed * d2, limit_start, 0.0, ratio1, ratio2)
+    theta, c1, c2 = onset_of_slip(t1, t2, closed * d1, closed * d2, limit_start, 0.0, ratio1, ratio2, 0.0, 0.0)
     if theta == 0.0:
         return NO_ONSET, 0.0, 0.0
     return closed * theta + closed - 1.0, closed * c1, closed * c2
@@ -180,18 +186,22 @@ def onset_of_slip_jacobian(
     limit_end: float,
     ratio1: float,
     ratio2: float,
+    new1: float,
+    new2: float,
+    jacobian: FloatArray,
     local: FloatArray,
 ) -> tuple[float, float, float]:
     """:func:`onset_of_slip`, and its derivatives in ``local`` as of :func:`event_jacobian`."""
     local[:] = 0.0
-    theta, c1, c2 = onset_of_slip(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2)
+    theta, c1, c2 = onset_of_slip(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2)
     if theta == 0.0:
         return theta, c1, c2
     on1, on2 = t1 + theta * d1, t2 + theta * d2
     size = math.hypot(on1, on2)
     n1, n2 = on1 / size, on2 / size
     rate = n1 * d1 + n2 * d2 - (limit_end - limit_start)
-    weight, spread = 0.5 * theta * (1.0 - theta), n1 * n1 * ratio1 + n2 * n2 * ratio2
+    rest = 1.0 - theta
+    weight, mean, spread = 0.5 * theta * rest**2, 0.5 * theta**2, n1 * n1 * ratio1 + n2 * n2 * ratio2
     local[2, 0], local[2, 1] = -n1 / rate, -n2 / rate
     local[2, 2], local[2, 3] = -theta * n1 / rate, -theta * n2 / rate
     local[2, 4], local[2, 5] = (1.0 - theta) / rate, theta / rate
@@ -212,10 +222,15 @@ def onset_of_slip_jacobian(
         along = n1 * o1 + n2 * o2
         by1, by2 = (o1 - along * n1) / size, (o2 - along * n2) / size  # of n
         rate_slope += by1 * d1 + by2 * d2
-        share_slope = 0.5 * (1.0 - 2.0 * theta) * slope * rate + weight * rate_slope
+        share_slope = 0.5 * rest * (1.0 - 3.0 * theta) * slope * rate + weight * rate_slope
         share_slope -= weight * rate * 2.0 * (n1 * ratio1 * by1 + n2 * ratio2 * by2) / spread
         local[0, k] = ratio1 * (share_slope * n1 + weight * rate * by1) / spread
         local[1, k] = ratio2 * (share_slope * n2 + weight * rate * by2) / spread
+        local[0, k] += theta * slope * (t1 + d1 - new1) - mean * jacobian[0, k]
+        local[1, k] += theta * slope * (t2 + d2 - new2) - mean * jacobian[1, k]
+    for k in range(2):  # of T_0 + d
+        local[k, k] += mean
+        local[k, 2 + k] += mean
     return theta, c1, c2
 
 
@@ -240,7 +255,9 @@ def event_jacobian(
     ``jacobian`` (2, 6) is that of the end of the step (of a step that does not end open).
     """
     if limit_end > 0.0 and limit_start > 0.0 and code == SLIP:
-        theta, c1, c2 = onset_of_slip_jacobian(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, local)
+        theta, c1, c2 = onset_of_slip_jacobian(
+            t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2, jacobian, local
+        )
         return theta, c1, c2
     local[:] = 0.0
     theta, c1, c2 = event(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2, code)
@@ -275,7 +292,7 @@ def onset_before_lift_off_jacobian(
     span = limit_start - limit_end
     closed = limit_start / span
     theta, c1, c2 = onset_of_slip_jacobian(
-        t1, t2, closed * d1, closed * d2, limit_start, 0.0, ratio1, ratio2, local
+        t1, t2, closed * d1, closed * d2, limit_start, 0.0, ratio1, ratio2, 0.0, 0.0, np.zeros((2, 6)), local
     )  # fmt: skip
     if theta == 0.0:
         return NO_ONSET, 0.0, 0.0
