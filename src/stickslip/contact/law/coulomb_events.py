@@ -2,20 +2,18 @@
 
 The Fourier integrals of the force are sums over samples. A force with a kink between two samples differs from its sum
 by an amount that has corners of its own: each sample that changes state makes a corner in the curve of solutions. The
-kink at the fraction theta of a step, where the rate of the force falls by r, adds ``theta (1 - theta) r / 2`` of a
-sample (trapezoidal rule on both sides of the instant), and similarly at lift-off and touchdown, where the force is zero
-on one side. With this part the integrals are those of a motion that is linear between samples. A pair that sticks and
-then lifts off in one step has two events: on its way to zero the falling limit meets the force first, and the pair
-slips from there on. The sums are of second order, as sums are, but their error does not scatter with the place of the
-events between the samples, and they are continuously differentiable where one passes a sample. A corner remains at
-reversals: where another sample becomes the last that slips.
+kink at the fraction theta of a step, with a force that would arrive at T_0 + d without it and arrives at T_1 with it,
+adds ``theta (T_0 + d - T_1) / 2`` of a sample (trapezoidal rule on both sides of the instant), and similarly at
+lift-off and touchdown, where the force is zero on one side. With this part the integrals are those of a motion that is
+linear between samples. A pair that sticks and then lifts off in one step has two events: on its way to zero the
+falling limit meets the force first, and the pair slips from there on. The sums are of second order, as sums are, but
+their error does not scatter with the place of the events between the samples, and they are continuously differentiable
+where one passes a sample. A corner remains at reversals: where another sample becomes the last that slips.
 """
 
 from __future__ import annotations
 
 import math
-
-import numpy as np
 
 from stickslip.contact.law.coulomb_kernel import SLIP, CodeArray, slip_onset
 from stickslip.core.compiled import njit
@@ -28,42 +26,6 @@ NO_ONSET = -1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def onset_of_slip(
-    t1: float,
-    t2: float,
-    d1: float,
-    d2: float,
-    limit_start: float,
-    limit_end: float,
-    ratio1: float,
-    ratio2: float,
-    new1: float,
-    new2: float,
-) -> tuple[float, float, float]:
-    """Instant theta of the onset in a SLIP step that ends with the force T_1 = (new1, new2), and the correction.
-
-    At the onset, with the force T = lambda n, the rate falls from d to ``d - g R n``, with the stiffness ratios R and
-    ``g = (n . d - dlambda) / (n . R n)``, so that the force follows the limit. The correction is ``theta (1 - theta) /
-    2`` times this change of rate in the part ``1 - theta``, and ``theta (T_0 + d - T_1) / 2``, by the mean rates, in
-    the part theta. On a straight line both are equal. Where T turns, the first is the same on both sides of a sample,
-    and vanishes with the onset of a pair that starts on its limit and dips below it: the second has a corner at each.
-    But only the second bounds the force where it turns far within the step. 0 for no onset.
-    """
-    theta = slip_onset(t1, t2, d1, d2, limit_start, limit_end)
-    on1, on2 = t1 + theta * d1, t2 + theta * d2
-    size = math.hypot(on1, on2)
-    if theta <= LEAST_ONSET or size == 0.0:
-        return 0.0, 0.0, 0.0
-    n1, n2 = on1 / size, on2 / size
-    rate = n1 * d1 + n2 * d2 - (limit_end - limit_start)
-    if rate <= 0.0:  # it only grazes its limit
-        return 0.0, 0.0, 0.0
-    share = 0.5 * theta * (1.0 - theta) ** 2 * rate / (n1 * n1 * ratio1 + n2 * n2 * ratio2)
-    mean = 0.5 * theta**2
-    return theta, share * ratio1 * n1 + mean * (t1 + d1 - new1), share * ratio2 * n2 + mean * (t2 + d2 - new2)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def event(
     t1: float,
     t2: float,
@@ -71,8 +33,6 @@ def event(
     d2: float,
     limit_start: float,
     limit_end: float,
-    ratio1: float,
-    ratio2: float,
     new1: float,
     new2: float,
     code: int,
@@ -88,20 +48,15 @@ def event(
         return 1.0 - closed, 0.5 * (closed - 1.0) * new1, 0.5 * (closed - 1.0) * new2
     if code != SLIP:
         return 0.0, 0.0, 0.0
-    theta, c1, c2 = onset_of_slip(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2)
-    return theta, c1, c2
+    theta = slip_onset(t1, t2, d1, d2, limit_start, limit_end)
+    if theta <= LEAST_ONSET:
+        return 0.0, 0.0, 0.0
+    return theta, 0.5 * theta * (t1 + d1 - new1), 0.5 * theta * (t2 + d2 - new2)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def onset_before_lift_off(
-    t1: float,
-    t2: float,
-    d1: float,
-    d2: float,
-    limit_start: float,
-    limit_end: float,
-    ratio1: float,
-    ratio2: float,
+    t1: float, t2: float, d1: float, d2: float, limit_start: float, limit_end: float
 ) -> tuple[float, float, float]:
     """Place and correction of the slip that begins in a step before the pair lifts off; the limit starts above zero.
 
@@ -112,10 +67,11 @@ def onset_before_lift_off(
     ``closed = 1`` and at ``onset = 0``, a place at the onset would leave a corner.
     """
     closed = limit_start / (limit_start - limit_end)
-    theta, c1, c2 = onset_of_slip(t1, t2, closed * d1, closed * d2, limit_start, 0.0, ratio1, ratio2, 0.0, 0.0)
-    if theta == 0.0:
+    theta = slip_onset(t1, t2, closed * d1, closed * d2, limit_start, 0.0)
+    if theta <= LEAST_ONSET:
         return NO_ONSET, 0.0, 0.0
-    return closed * theta + closed - 1.0, closed * c1, closed * c2
+    onset = closed * theta
+    return onset + closed - 1.0, 0.5 * onset * (t1 + closed * d1), 0.5 * onset * (t2 + closed * d2)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -129,15 +85,7 @@ def share_between(i: int, j: int, theta: float, c1: float, c2: float, out: Float
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def corrected_samples(
-    path: FloatArray,
-    limit: FloatArray,
-    ratio1: float,
-    ratio2: float,
-    t1: float,
-    t2: float,
-    force: FloatArray,
-    mode: CodeArray,
-    out: FloatArray,
+    path: FloatArray, limit: FloatArray, t1: float, t2: float, force: FloatArray, mode: CodeArray, out: FloatArray
 ) -> None:
     """Fill ``out`` (2, n): the samples of a period from (t1, t2), with the corrections beside its events."""
     n = limit.shape[0]
@@ -147,13 +95,13 @@ def corrected_samples(
         i, j = step - 1, step % n
         if mode[j] == SLIP or limit[i] <= 0.0 or limit[j] <= 0.0:
             theta, c1, c2 = event(
-                t1, t2, path[0, step] - path[0, i], path[1, step] - path[1, i], limit[i], limit[j], ratio1, ratio2,
+                t1, t2, path[0, step] - path[0, i], path[1, step] - path[1, i], limit[i], limit[j],
                 force[0, j], force[1, j], mode[j],
             )  # fmt: skip
             share_between(i, j, theta, c1, c2, out)
         if limit[i] > 0.0 >= limit[j]:
             theta, c1, c2 = onset_before_lift_off(
-                t1, t2, path[0, step] - path[0, i], path[1, step] - path[1, i], limit[i], limit[j], ratio1, ratio2
+                t1, t2, path[0, step] - path[0, i], path[1, step] - path[1, i], limit[i], limit[j]
             )
             share_between(i, j, theta, c1, c2, out)
         t1, t2 = force[0, j], force[1, j]
@@ -177,64 +125,6 @@ def corrected_limits(limits: FloatArray, out: FloatArray) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def onset_of_slip_jacobian(
-    t1: float,
-    t2: float,
-    d1: float,
-    d2: float,
-    limit_start: float,
-    limit_end: float,
-    ratio1: float,
-    ratio2: float,
-    new1: float,
-    new2: float,
-    jacobian: FloatArray,
-    local: FloatArray,
-) -> tuple[float, float, float]:
-    """:func:`onset_of_slip`, and its derivatives in ``local`` as of :func:`event_jacobian`."""
-    local[:] = 0.0
-    theta, c1, c2 = onset_of_slip(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2)
-    if theta == 0.0:
-        return theta, c1, c2
-    on1, on2 = t1 + theta * d1, t2 + theta * d2
-    size = math.hypot(on1, on2)
-    n1, n2 = on1 / size, on2 / size
-    rate = n1 * d1 + n2 * d2 - (limit_end - limit_start)
-    rest = 1.0 - theta
-    weight, mean, spread = 0.5 * theta * rest**2, 0.5 * theta**2, n1 * n1 * ratio1 + n2 * n2 * ratio2
-    local[2, 0], local[2, 1] = -n1 / rate, -n2 / rate
-    local[2, 2], local[2, 3] = -theta * n1 / rate, -theta * n2 / rate
-    local[2, 4], local[2, 5] = (1.0 - theta) / rate, theta / rate
-    for k in range(6):
-        slope = local[2, k]
-        o1, o2 = slope * d1, slope * d2  # of the force at the onset, which n turns with
-        rate_slope = 0.0
-        if k == 0 or k == 2:
-            o1 += 1.0 if k == 0 else theta
-        elif k == 1 or k == 3:
-            o2 += 1.0 if k == 1 else theta
-        if k == 2:
-            rate_slope = n1
-        elif k == 3:
-            rate_slope = n2
-        elif k >= 4:
-            rate_slope = 1.0 if k == 4 else -1.0
-        along = n1 * o1 + n2 * o2
-        by1, by2 = (o1 - along * n1) / size, (o2 - along * n2) / size  # of n
-        rate_slope += by1 * d1 + by2 * d2
-        share_slope = 0.5 * rest * (1.0 - 3.0 * theta) * slope * rate + weight * rate_slope
-        share_slope -= weight * rate * 2.0 * (n1 * ratio1 * by1 + n2 * ratio2 * by2) / spread
-        local[0, k] = ratio1 * (share_slope * n1 + weight * rate * by1) / spread
-        local[1, k] = ratio2 * (share_slope * n2 + weight * rate * by2) / spread
-        local[0, k] += theta * slope * (t1 + d1 - new1) - mean * jacobian[0, k]
-        local[1, k] += theta * slope * (t2 + d2 - new2) - mean * jacobian[1, k]
-    for k in range(2):  # of T_0 + d
-        local[k, k] += mean
-        local[k, 2 + k] += mean
-    return theta, c1, c2
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def event_jacobian(
     t1: float,
     t2: float,
@@ -242,8 +132,6 @@ def event_jacobian(
     d2: float,
     limit_start: float,
     limit_end: float,
-    ratio1: float,
-    ratio2: float,
     new1: float,
     new2: float,
     code: int,
@@ -254,58 +142,83 @@ def event_jacobian(
 
     ``jacobian`` (2, 6) is that of the end of the step (of a step that does not end open).
     """
-    if limit_end > 0.0 and limit_start > 0.0 and code == SLIP:
-        theta, c1, c2 = onset_of_slip_jacobian(
-            t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2, jacobian, local
-        )
-        return theta, c1, c2
     local[:] = 0.0
-    theta, c1, c2 = event(t1, t2, d1, d2, limit_start, limit_end, ratio1, ratio2, new1, new2, code)
-    if (limit_end <= 0.0) == (limit_start <= 0.0):
+    theta, c1, c2 = event(t1, t2, d1, d2, limit_start, limit_end, new1, new2, code)
+    if limit_end <= 0.0 or limit_start <= 0.0:
+        if limit_end <= 0.0 and limit_start <= 0.0:
+            return theta, c1, c2
+        square = (limit_end - limit_start) ** 2
+        local[2, 4], local[2, 5] = -limit_end / square, limit_start / square
+        if limit_end <= 0.0:
+            local[0, 0] = local[1, 1] = 0.5 * (theta - 1.0)
+            for k in range(4, 6):
+                local[0, k], local[1, k] = 0.5 * t1 * local[2, k], 0.5 * t2 * local[2, k]
+        else:
+            for k in range(6):
+                local[0, k] = -0.5 * (theta * jacobian[0, k] + new1 * local[2, k])
+                local[1, k] = -0.5 * (theta * jacobian[1, k] + new2 * local[2, k])
         return theta, c1, c2
-    square = (limit_end - limit_start) ** 2
-    local[2, 4], local[2, 5] = -limit_end / square, limit_start / square
-    if limit_end <= 0.0:
-        local[0, 0] = local[1, 1] = 0.5 * (theta - 1.0)
-        for k in range(4, 6):
-            local[0, k], local[1, k] = 0.5 * t1 * local[2, k], 0.5 * t2 * local[2, k]
-    else:
-        for k in range(6):
-            local[0, k] = -0.5 * (theta * jacobian[0, k] + new1 * local[2, k])
-            local[1, k] = -0.5 * (theta * jacobian[1, k] + new2 * local[2, k])
+    if theta == 0.0:
+        return theta, c1, c2
+    on1, on2 = t1 + theta * d1, t2 + theta * d2
+    size = math.hypot(on1, on2)
+    n1, n2 = on1 / size, on2 / size
+    # Rate at which the stuck force would leave the limit; zero only where it grazes it, and then nothing slips.
+    rate = n1 * d1 + n2 * d2 - (limit_end - limit_start)
+    if rate <= 0.0:
+        return 0.0, 0.0, 0.0
+    local[2, 0], local[2, 1] = -n1 / rate, -n2 / rate
+    local[2, 2], local[2, 3] = -theta * n1 / rate, -theta * n2 / rate
+    local[2, 4], local[2, 5] = (1.0 - theta) / rate, theta / rate
+    slip1, slip2 = t1 + d1 - new1, t2 + d2 - new2
+    for k in range(6):
+        local[0, k] = 0.5 * (slip1 * local[2, k] - theta * jacobian[0, k])
+        local[1, k] = 0.5 * (slip2 * local[2, k] - theta * jacobian[1, k])
+    for k in range(2):  # of T_0 + d
+        local[k, k] += 0.5 * theta
+        local[k, 2 + k] += 0.5 * theta
     return theta, c1, c2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def onset_before_lift_off_jacobian(
-    t1: float,
-    t2: float,
-    d1: float,
-    d2: float,
-    limit_start: float,
-    limit_end: float,
-    ratio1: float,
-    ratio2: float,
-    local: FloatArray,
+    t1: float, t2: float, d1: float, d2: float, limit_start: float, limit_end: float, local: FloatArray
 ) -> tuple[float, float, float]:
     """:func:`onset_before_lift_off`, and its derivatives in ``local`` as of :func:`event_jacobian`."""
+    local[:] = 0.0
+    place, c1, c2 = onset_before_lift_off(t1, t2, d1, d2, limit_start, limit_end)
+    if place == NO_ONSET:
+        return place, c1, c2
     span = limit_start - limit_end
     closed = limit_start / span
-    theta, c1, c2 = onset_of_slip_jacobian(
-        t1, t2, closed * d1, closed * d2, limit_start, 0.0, ratio1, ratio2, 0.0, 0.0, np.zeros((2, 6)), local
-    )  # fmt: skip
-    if theta == 0.0:
+    onset = place + 1.0 - closed
+    theta = onset / closed
+    closing1, closing2 = closed * d1, closed * d2
+    on1, on2 = t1 + theta * closing1, t2 + theta * closing2
+    size = math.hypot(on1, on2)
+    if size == 0.0:  # the force vanishes exactly at lift-off
+        return place, c1, c2
+    n1, n2 = on1 / size, on2 / size
+    rate = n1 * closing1 + n2 * closing2 + limit_start
+    if rate <= 0.0:
         return NO_ONSET, 0.0, 0.0
-    for row in range(3):
-        # By the limits, through ``closed``: that of the part until lift-off ends at zero.
-        by_closed = local[row, 2] * d1 + local[row, 3] * d2
-        local[row, 2] *= closed
-        local[row, 3] *= closed
-        local[row, 4] -= by_closed * limit_end / span**2
-        local[row, 5] = by_closed * limit_start / span**2
+    # Derivatives of ``closed`` and of theta, at whose instant the force is on the limit (1 - theta) limit_start.
+    by_closed = -theta * (n1 * d1 + n2 * d2) / rate
+    closed_by_start, closed_by_end = -limit_end / span**2, limit_start / span**2
     for k in range(6):
-        closed_slope = -limit_end / span**2 if k == 4 else (limit_start / span**2 if k == 5 else 0.0)
-        local[0, k] = closed * local[0, k] + c1 * closed_slope
-        local[1, k] = closed * local[1, k] + c2 * closed_slope
-        local[2, k] = closed * local[2, k] + theta * closed_slope + closed_slope
-    return closed * theta + closed - 1.0, closed * c1, closed * c2
+        closed_slope = closed_by_start if k == 4 else (closed_by_end if k == 5 else 0.0)
+        theta_slope = by_closed * closed_slope
+        if k < 2:
+            theta_slope -= (n1 if k == 0 else n2) / rate
+        elif k < 4:
+            theta_slope -= theta * closed * (n1 if k == 2 else n2) / rate
+        elif k == 4:
+            theta_slope += (1.0 - theta) / rate
+        slope = closed * theta_slope + theta * closed_slope
+        local[2, k] = slope + closed_slope
+        local[0, k] = 0.5 * (slope * (t1 + closing1) + onset * d1 * closed_slope)
+        local[1, k] = 0.5 * (slope * (t2 + closing2) + onset * d2 * closed_slope)
+    for k in range(2):  # of T_0 + d until lift-off
+        local[k, k] += 0.5 * onset
+        local[k, 2 + k] += 0.5 * onset * closed
+    return place, c1, c2

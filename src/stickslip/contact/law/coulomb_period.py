@@ -309,7 +309,7 @@ def settle_pairs(
             continue
         starts[pair, 0], starts[pair, 1], t1, t2 = settle(motion, force, mode)
         starts[pair, 2], starts[pair, 3] = t1, t2
-        corrected_samples(path, limit, ratios[pair, 0], ratios[pair, 1], t1, t2, force, mode, samples[pair])
+        corrected_samples(path, limit, t1, t2, force, mode, samples[pair])
         change1, change2 = force[0, 0] - t1, force[1, 0] - t2
         for j in range(n):  # sample 0 is that of the end
             share = 2.0 if j == 0 else 1.0 + j / n

@@ -128,16 +128,12 @@ def march_tangent(
             elif code == STICK:
                 stick_jacobian(d1, d2, limit[i], limit[j], jacobian)
             if width:
-                theta, c1, c2 = event_jacobian(
-                    t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, new1, new2, code, jacobian, local
-                )
+                theta, c1, c2 = event_jacobian(t1, t2, d1, d2, limit[i], limit[j], new1, new2, code, jacobian, local)
                 if theta > 0.0:
                     gather_event(basis, i, j, theta, c1, c2, local, scale, limit_slope, derivative, coefficients)
             if code == OPEN:
                 if width and limit[i] > 0.0:
-                    place, c1, c2 = onset_before_lift_off_jacobian(
-                        t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, local
-                    )
+                    place, c1, c2 = onset_before_lift_off_jacobian(t1, t2, d1, d2, limit[i], limit[j], local)
                     if place != NO_ONSET:
                         gather_event(basis, i, j, place, c1, c2, local, scale, limit_slope, derivative, coefficients)
                 derivative[:] = 0.0

@@ -16,9 +16,6 @@ FAR_STEP_TOLERANCE = 1e-3
 FINEST_STEP_TOLERANCE = 1e-8
 # chosen: relative size of a step above which the error is not round-off.
 ROUND_OFF_STEP = 1e-5
-# chosen: parts of a step over which a residual that is not round-off follows its linearisation, and the largest
-# departure from it, over the predicted change. A kink, where steps end too, may lie within all but the smallest part.
-PROBES, DEPARTURE = (2.0**-3, 2.0**-5, 2.0**-7, 2.0**-10), 0.5
 # chosen: a step that leaves more than this fraction of the residual had too few digits.
 POOR_STEP = 0.1
 
@@ -33,10 +30,9 @@ class NewtonSettings:
     max_iterations:
         largest number of iterations.
     round_off_factor:
-        a point whose error is at most this many times the tolerance and no longer falls has reached its round-off, if
-        no part of a step lowers it as predicted either: contact much stiffer than the structure amplifies it. Such a
-        point counts as converged; the residual of the equation is reported with it. Beside a kink the error can be as
-        small without being round-off: there the plane has no solution.
+        a point whose error is at most this many times the tolerance and no longer falls has reached its round-off:
+        contact much stiffer than the structure amplifies it. Such a point counts as converged; the residual of the
+        equation is reported with it.
     fractions:
         fractions of a step, in the order of the attempts, until one lowers the error; otherwise the best of them
         counts.
@@ -114,22 +110,9 @@ class Newton(Generic[PointT]):
         return Correction(point, False, settings.max_iterations, system)
 
     def _is_round_off(self, point: PointT, step: Step) -> bool:
-        """Whether the step is too small to matter, and no part of it lowers the residual as predicted.
-
-        A larger step says that the solution is elsewhere. A residual that follows its linearisation is above its
-        round-off: steps overshoot a kink, and the plane has no solution there.
-        """
+        """Whether the step is too small to matter: a larger one says that the solution is elsewhere."""
         size, whole = (float(np.linalg.norm(self.problem.determined(each))) for each in (step.unknowns, point.unknowns))
-        return size <= ROUND_OFF_STEP * whole and not any(self._is_predicted(point, step, part) for part in PROBES)
-
-    def _is_predicted(self, point: PointT, step: Step, part: float) -> bool:
-        """Whether a part of a step lowers the residual ``R`` to ``(1 - part) R``, and the error with it."""
-        after = self.problem.evaluate(point.unknowns + part * step.unknowns, point.parameters + part * step.parameters)
-        departure = float(np.linalg.norm(after.residual - (1.0 - part) * point.residual))
-        allowed = DEPARTURE * part
-        return departure <= allowed * float(np.linalg.norm(point.residual)) and (
-            after.error <= (1.0 - part + allowed) * point.error
-        )
+        return size <= ROUND_OFF_STEP * whole
 
     def _best_along(self, point: PointT, step: Step) -> PointT:
         """The point after a full step, or the best of shortened ones where the full step enlarges the error."""
