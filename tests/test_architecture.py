@@ -164,6 +164,7 @@ def test_no_circle_of_imports_not_even_inside_functions() -> None:
     assert circle({module: imports(module) for module in modules()}) == []
 
 
+@pytest.mark.slow
 def test_contact_knows_no_elements() -> None:
     # A face is made of cell sides: their points, areas, directions and shape functions, and no cell behind them.
     of_faces = ("structure.faces", "structure.side_parts", "structure.shapes")
@@ -277,6 +278,7 @@ def general_files() -> dict[str, str]:
     return {name: path.read_text("utf-8") for name, path in named.items() if name.split("/")[0] not in ITS_ROOMS}
 
 
+@pytest.mark.slow
 def test_no_word_of_the_published_study_outside_of_its_room() -> None:
     files = general_files()
     assert len(files) > 150
@@ -327,6 +329,7 @@ def asked_classes(text: str) -> set[str]:
     return {node.id for each in asked for node in ast.walk(each) if isinstance(node, ast.Name)}
 
 
+@pytest.mark.slow
 def test_studies_never_ask_which_structure_it_is() -> None:
     """A structure answers itself (structure/substructure.py, model/study_structure.py); the kinds of study make it."""
     assert asked_classes("isinstance(a, Superelement | Mesh) or isinstance(b, (int, str))") == {

@@ -170,6 +170,7 @@ def documented_commands() -> list[str]:
     return sorted({" ".join(line.split()) for line in actual})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", documented_commands())
 def test_documented_commands_are_understood(line: str) -> None:
     """Name, options and kinds of values are those of the program. "[--workers 2]" marks what may be left out."""

@@ -94,6 +94,7 @@ def test_harmonics_and_samples(capsys: pytest.CaptureFixture[str], monkeypatch: 
     assert error[1, 256] > error[3, 256] > error[5, 256]
 
 
+@pytest.mark.slow
 def test_job_script_of_the_cluster_example(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     try:
         import dask_jobqueue  # noqa: F401

@@ -63,6 +63,7 @@ def numbers_and_words(deck: str) -> tuple[list[float], list[str]]:
     return [float(word) for line in nodes for word in line.split(",")], others
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["lap_joint", "blade_root", "shroud"])
 def test_the_script_makes_the_meshes_again(name: str, tmp_path: Path) -> None:
     runpy.run_path(str(JOINTS / "make_meshes.py"))["main"](tmp_path)

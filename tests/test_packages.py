@@ -23,6 +23,7 @@ def tools(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return importlib.import_module("packages")
 
 
+@pytest.mark.slow
 @HELD_HERE
 def test_every_installed_package_is_pinned(tools: ModuleType) -> None:
     """All that the project, its extras and the group dev need, directly or not."""
@@ -43,6 +44,7 @@ def test_every_requirement_is_pinned_to_a_version_that_it_allows(tools: ModuleTy
         assert each.specifier.contains(held[tools.plain(each.name)]), each
 
 
+@pytest.mark.slow
 def test_pinned_versions_install_on_the_oldest_python(tools: ModuleType) -> None:
     """On 3.11.0: Debian 12 has 3.11.2, and one pinned tool wanted 3.11.5."""
     from packaging.specifiers import SpecifierSet

@@ -92,6 +92,7 @@ def project(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Proje
     return Project(pytester)
 
 
+@pytest.mark.slow
 def test_another_sentence_fails_its_tests_alone_until_it_is_written(project: Project) -> None:
     before = project.snapshot()
     assert before["tests/test_joint.py::test_gap_then_load"] == [
@@ -120,6 +121,7 @@ def test_another_sentence_fails_its_tests_alone_until_it_is_written(project: Pro
     project.run().assert_outcomes(passed=6)
 
 
+@pytest.mark.slow
 def test_without_numbers_the_words_are_compared_alone(project: Project) -> None:
     text = 'printed_sentence("Error: the gap must be 0 m or above.", "gap")'
     new = 'printed_sentence("The residual is 3.1e-07 after 17 steps.", "17", numbers=False)'
@@ -134,6 +136,7 @@ def test_without_numbers_the_words_are_compared_alone(project: Project) -> None:
     project.run().assert_outcomes(passed=5, failed=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "came"),
     [
@@ -159,6 +162,7 @@ def test_another_key_or_type_fails_also_while_the_snapshot_is_written(
     assert project.snapshot() == before
 
 
+@pytest.mark.slow
 def test_no_error_fails_also_while_the_snapshot_is_written(project: Project) -> None:
     project.change("joint.py", 'raise InputError("the gap', 'return InputError("the gap')
     outcome = project.run("--update-sentences")
@@ -178,6 +182,7 @@ def test_a_missing_and_a_left_over_sentence_fail(project: Project) -> None:
     outcome.stdout.fnmatch_lines(["*the snapshot has 2 sentences of this test, but it came to 1*"])
 
 
+@pytest.mark.slow
 def test_only_the_whole_suite_drops_tests_that_are_gone(project: Project) -> None:
     project.change("test_joint.py", "def test_gap():", "def test_other_gap():")
     project.run("--update-sentences", "tests/test_joint.py").assert_outcomes(passed=6)
@@ -187,6 +192,7 @@ def test_only_the_whole_suite_drops_tests_that_are_gone(project: Project) -> Non
     assert len(project.snapshot()) == 6
 
 
+@pytest.mark.slow
 def test_a_file_that_is_left_out_has_its_sentences(project: Project) -> None:
     before = project.snapshot()
     project.change("test_joint.py", "import pytest\n", 'import pytest\npytest.importorskip("no_such_program")\n')
@@ -195,18 +201,21 @@ def test_a_file_that_is_left_out_has_its_sentences(project: Project) -> None:
     assert project.snapshot() == before
 
 
+@pytest.mark.slow
 def test_a_test_that_rejects_nothing_any_more_leaves_the_snapshot(project: Project) -> None:
     project.change("test_joint.py", 'printed_sentence("Error: the gap must be 0 m or above.", "gap")', "pass")
     project.run("--update-sentences").assert_outcomes(passed=6)
     assert "tests/test_joint.py::test_command" not in project.snapshot()
 
 
+@pytest.mark.slow
 def test_several_processes_may_read_but_not_write(project: Project) -> None:
     outcome = project.run("-n", "1", "--update-sentences")
     outcome.stderr.fnmatch_lines(["*--update-sentences writes one file, so it needs one process. Leave -n out.*"])
     assert outcome.ret == pytest.ExitCode.USAGE_ERROR
 
 
+@pytest.mark.slow
 def test_numbers_may_be_rounded_otherwise_but_not_be_others(project: Project) -> None:
     """An iteration ends with other numbers on another machine."""
     project.change("joint.py", "17 steps, residual 3.1e-05", "18 steps, residual 7.7e-06")
@@ -228,6 +237,7 @@ def test_what_differs_between_machines_is_not_in_the_snapshot(tmp_path: Path) ->
     assert normalised(text, tmp_path.parent) == expected
 
 
+@pytest.mark.slow
 def test_words_of_python_are_not_in_the_snapshot(project: Project) -> None:
     project.write(
         "test_words.py",

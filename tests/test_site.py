@@ -89,6 +89,7 @@ def test_the_site_builds_and_asks_no_server(
         assert f"stickslip.{name}" in reference, name
 
 
+@pytest.mark.slow
 def test_a_page_of_the_gallery(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     gallery = hook("gallery")
     script = tmp_path / "drawing.py"
@@ -101,6 +102,7 @@ def test_a_page_of_the_gallery(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         assert part in text
 
 
+@pytest.mark.slow
 def test_the_gallery_has_the_still_picture_of_a_report() -> None:
     report = report_page(synthetic_response(), dataclasses.replace(synthetic_study(), sketch=stacked_boxes()))
     (still,) = hook("gallery").stills(report.encode())

@@ -74,6 +74,7 @@ def test_a_key_of_a_named_entry_is_replaced_and_swept() -> None:
         swept_keys({"interfaces.friction": "0.1,0.2"})
 
 
+@pytest.mark.slow
 def test_hashes_show_what_changes_the_structure(tmp_path: Path) -> None:
     base = case_hashes(mesh_case())
     for key, value, shared in (
@@ -157,6 +158,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "keys"), WRONG.values(), ids=WRONG.keys())
 def test_wrong_study_file(text: str, keys: tuple[str, ...], tmp_path: Path) -> None:
     path = tmp_path / "study.toml"

@@ -166,6 +166,7 @@ def test_every_key_with_a_number_was_found() -> None:
             assert (name, key) in actual, f"{name}.{key}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [[5e-324, 0, 0], [1e308, 1e308, 0], [1e-310, 1e-310, 0], [10**400, 0, 0]])
 @pytest.mark.parametrize(("section", "key"), DIRECTIONS)
 def test_directions(section: str, key: str, value: list[float], bases: dict[str, dict[str, Any]]) -> None:

@@ -123,6 +123,7 @@ def test_two_blades(found: str, put: str, start: str, tmp_path: Path) -> None:
     assert rejected("check", path).startswith(f"{path}, {start}: ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("found", "put", "start"), MESH_WRONG.values(), ids=MESH_WRONG)
 def test_own_mesh(found: str, put: str, start: str, tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
@@ -131,6 +132,7 @@ def test_own_mesh(found: str, put: str, start: str, tmp_path: Path) -> None:
     assert rejected("check", path).startswith(f"{path}, {start}: ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("found", "put", "start"),
     [

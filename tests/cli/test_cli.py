@@ -379,6 +379,7 @@ def test_threads_of_the_environment_are_checked_first(
     printed_sentence(result.stderr, "NUMBA_NUM_THREADS")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["check", "run"])
 def test_the_real_solver_does_not_meet_numba_without_threads(tmp_path: Path, command: str) -> None:
     path = tmp_path / "study.toml"

@@ -190,6 +190,7 @@ def test_warnings_of_the_package_are_one_line(capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr().err == "Warning: the code is elsewhere.\n"
 
 
+@pytest.mark.slow
 def test_the_package_runs_as_a_module() -> None:
     outcome = subprocess.run(
         [sys.executable, "-m", "stickslip", "run", "--help"], capture_output=True, text=True, timeout=60, check=False

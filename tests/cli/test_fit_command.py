@@ -36,6 +36,7 @@ def write(folder: Path, along: np.ndarray, force: np.ndarray, head: str = HEAD) 
     return path
 
 
+@pytest.mark.slow
 def test_prints_constants_energy_and_lines_of_a_study_file(file: Path, tmp_path: Path) -> None:
     result = invoke(file, "--normal-load", "1 kN", "--predict", "1.5 kN", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.output

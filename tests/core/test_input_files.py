@@ -193,6 +193,7 @@ def test_what_is_packed_well_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyP
             read_matrices(tmp_path / name, tmp_path / name)
 
 
+@pytest.mark.slow
 def test_entities_of_xml_do_not_grow(tmp_path: Path) -> None:
     """A billion laughs: the parser stops."""
     levels = "".join(f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 12))

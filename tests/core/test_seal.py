@@ -29,6 +29,7 @@ def test_content_is_given_back(content: bytes, monkeypatch: pytest.MonkeyPatch) 
     assert stream.read(require_seal(stream, "case \N{GREEK SMALL LETTER ALPHA}")) == content
 
 
+@pytest.mark.slow
 def test_every_changed_byte_every_cut_and_every_addition_is_noticed() -> None:
     whole = sealed(CONTENT, "case 1")
     for place in range(len(whole)):

@@ -75,6 +75,7 @@ def test_form_is_removed_and_reported(tmp_path: Path) -> None:
     assert found.form_fraction == pytest.approx(np.var(8e-6 * x**2) / total, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("package")
 def test_missing_points_are_filled_from_their_edges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -76,6 +76,7 @@ def test_equal_angles_are_the_mirrored_structure() -> None:
     np.testing.assert_allclose(one.points, two.points, rtol=0.0, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_exchanged_angles_have_the_same_frequencies() -> None:
     """The mirrored structure: its left underside is the right one of the other."""
     width, height = 6.5e-3, 36.7e-3
@@ -99,6 +100,7 @@ def test_a_part_of_the_right_side_that_does_not_fit() -> None:
         BladePairGeometry(contact_face_width=0.04, platform_angle_deg=5.0, right_platform_angle_deg=80.0)
 
 
+@pytest.mark.slow
 def test_check_states_the_force_and_whether_the_damper_locks() -> None:
     rows = dict(dict(check(coarse(**SPINNING)))["Derived quantities"])
     assert rows["Centrifugal force of the damper"].startswith("592.2 N")

@@ -25,6 +25,7 @@ def with_sections(**sections: object) -> ss.Case:
     return ss.Case.from_mapping({**data, **sections})
 
 
+@pytest.mark.slow
 def test_forces_in_several_harmonics() -> None:
     base = {**PLACE, "direction": [0, 0, 1]}
     case = with_sections(
@@ -44,6 +45,7 @@ def test_forces_in_several_harmonics() -> None:
         case.replace({"solver.harmonics": 1})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["acceleration", "displacement"])
 def test_base_motion_drives_with_the_mass_that_it_carries(kind: str) -> None:
     """In the unknowns of the mesh the force is ``-M r a`` with all columns of M, those of held nodes too."""
@@ -87,6 +89,7 @@ def test_base_motion_is_an_acceleration_or_a_displacement_of_a_mesh() -> None:
         ss.Case.from_mapping(matrices)
 
 
+@pytest.mark.slow
 def test_unbalance_turns_about_its_axis() -> None:
     case = with_sections(unbalance={"rotor": {**PLACE, "axis": [0, 0, 1], "mass_times_radius": "2e-6 kg m"}})
     model = ss.build_model(case)

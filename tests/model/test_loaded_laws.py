@@ -69,6 +69,7 @@ def test_the_law_about_rest_is_the_curve_that_the_static_solution_followed(tmp_p
     np.testing.assert_allclose(law.normal_law.force(closing)[0] / law.normal_load, growth, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_open_and_nearly_open_pairs_keep_coulomb_friction(tmp_path: Path) -> None:
     """6 N press the first mass; the second one is pulled off, the third is on the linear start of the curve."""
     model = ss.build_model(study(tmp_path, 6.0, -1.0, 0.005))

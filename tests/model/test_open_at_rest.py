@@ -104,6 +104,7 @@ def test_closing_the_open_pairs_would_be_seen() -> None:
     assert max(one.full_hz / two.full_hz for one, two in zip(wrong, right, strict=False)) > 1.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("preload", "words"), [(SOLVED, "(pairs without a gap)"), (PRESCRIBED, "(pairs closed at rest)")]
 )
@@ -116,6 +117,7 @@ def test_check_shows_the_frequencies_of_the_run(preload: dict[str, object], word
     assert dict(sections["Derived quantities"])["Normal load, lid"] == "0 N"
 
 
+@pytest.mark.slow
 def test_matching_faces_with_open_pairs_are_not_tied() -> None:
     actual = two_blades("released")
     closed = actual.pairs.closed_at_rest
@@ -128,6 +130,7 @@ def test_matching_faces_with_open_pairs_are_not_tied() -> None:
     assert max(abs(row.difference_percent) for row in table[:2]) < 0.1
 
 
+@pytest.mark.slow
 def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     """Table and check show it; the response refuses it. Its motions have neither difference nor modal assurance."""
     case = block_case({"values": [-1.0] * 24 + [0.0] * 24})
@@ -147,6 +150,7 @@ def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
         solve(case, actual)
 
 
+@pytest.mark.slow
 def test_friction_limit_only_where_the_state_was_found_with_friction() -> None:
     retained, released = (
         {name: (value, words) for name, value, _, words in resting_state(two_blades(traction))}

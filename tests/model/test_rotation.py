@@ -55,6 +55,7 @@ def at_rest(case: Case) -> Any:
     return setup.at_rest()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coriolis", [False, True])
 def test_a_beam_of_a_study_has_the_frequencies_of_the_rotating_mesh(tmp_path: Path, coriolis: bool) -> None:
     case = beam_case(tmp_path, speed="6000 rpm", coriolis=coriolis)
@@ -70,6 +71,7 @@ def test_a_beam_of_a_study_has_the_frequencies_of_the_rotating_mesh(tmp_path: Pa
         assert np.abs(expected / without - 1.0).max() > 5e-4  # it is a difference that the test sees
 
 
+@pytest.mark.slow
 def test_check_shows_the_frequencies_at_the_speed(tmp_path: Path) -> None:
     """They are those of a dense solution of the mesh at the speed with the springs of the joint."""
     case = beam_case(tmp_path, speed="6000 rpm")
@@ -85,6 +87,7 @@ def test_check_shows_the_frequencies_at_the_speed(tmp_path: Path) -> None:
     assert rows["Speed of rotation"] == "6000 rpm"
 
 
+@pytest.mark.slow
 def test_a_shaft_collapses_at_its_first_frequency(tmp_path: Path) -> None:
     """A beam that turns about its own axis: softening takes the square of the speed from both bending frequencies."""
     along = {"axis": [1, 0, 0], "point": ["0 mm", "10 mm", "5 mm"]}
@@ -98,6 +101,7 @@ def test_a_shaft_collapses_at_its_first_frequency(tmp_path: Path) -> None:
     assert collapse == pytest.approx(60.0 * still[0], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_damper_without_constraint_keeps_its_stiffness_at_rest() -> None:
     case = mesh_case(**{f"rotation__{key}": value for key, value in {**TURN, "speed": "9000 rpm"}.items()})
     model, still = build_model(case), build_model(mesh_case())
@@ -172,6 +176,7 @@ def test_a_disk_of_a_study_has_the_frequencies_of_the_rotating_sector() -> None:
         build_model(disk_case(speed="500000 rpm"))
 
 
+@pytest.mark.slow
 def test_speed_zero_is_the_structure_at_rest() -> None:
     one, other = (build_model(each) for each in (disk_case(), disk_case(speed="0 rpm")))
     assert kind_of(disk_case()).warnings(disk_case(speed="0 rpm")) == ()
@@ -181,6 +186,7 @@ def test_speed_zero_is_the_structure_at_rest() -> None:
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coriolis", [False, True])
 def test_one_reduction_for_all_speeds(tmp_path: Path, coriolis: bool) -> None:
     case = beam_case(tmp_path, speed="3000 rpm", top_speed="6000 rpm", coriolis=coriolis)
@@ -200,6 +206,7 @@ def test_one_reduction_for_all_speeds(tmp_path: Path, coriolis: bool) -> None:
         build_model(case.replace({"rotation.top_speed": "900000 rpm"}))
 
 
+@pytest.mark.slow
 def test_one_reduction_for_all_speeds_with_a_free_damper() -> None:
     turn = {f"rotation__{key}": value for key, value in {**TURN, "speed": "9000 rpm"}.items()}
     model = build_model(mesh_case(**turn, rotation__top_speed="12000 rpm"))
@@ -210,6 +217,7 @@ def test_one_reduction_for_all_speeds_with_a_free_damper() -> None:
         np.testing.assert_allclose(np.sqrt(squares[6:12]) / (2.0 * np.pi), free_hz(at_speed, 12)[6:], rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_reduction_for_all_speeds_is_read_from_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
     case = beam_case(tmp_path, speed="3000 rpm", top_speed="6000 rpm")

@@ -24,6 +24,7 @@ def joint_of(changes: dict[str, object]) -> tuple[TwoBladeCase, Joint]:
     return case, load_joint(case, set_up(case).layout)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["persson", "greenwood-williamson", "bush-gibson-thomas"])
 def test_a_study_names_the_law_of_its_roughness(law: str) -> None:
     case, joint = joint_of({**SMOOTH, "roughness.law": law})
@@ -62,6 +63,7 @@ def test_the_laws_are_beside_each_other_in_the_quantities() -> None:
     assert (low, high) == pytest.approx((float(persson) / 3, 3 * float(persson)), rel=0.01)
 
 
+@pytest.mark.slow
 def test_each_pair_at_its_own_pressure_and_form_that_the_mesh_has() -> None:
     _, even = joint_of({**SMOOTH, "roughness.law": "persson"})
     _, own = joint_of({**SMOOTH, "roughness.law": "persson", "roughness.allocation": "pressure"})

@@ -60,6 +60,7 @@ def test_contact_carries_the_centrifugal_force_with_and_without_friction() -> No
     assert face == pytest.approx([250.0 / (np.cos(FACE_ANGLE) + 0.3 * np.sin(FACE_ANGLE))] * 2, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_the_pressure_is_far_from_uniform() -> None:
     """The platforms turn under the load: the low edge carries most, and stiff contact opens at the upper one."""
     joint = model(roughness__fractal_roughness="1e-10 m").joint
@@ -68,6 +69,7 @@ def test_the_pressure_is_far_from_uniform() -> None:
     assert (pressure < 0.0).any()
 
 
+@pytest.mark.slow
 def test_stiffness_follows_the_solved_load_of_the_face() -> None:
     """Iterated: the stiffness of each face is that of the normal force it ends with."""
     actual = model(preload__residual_traction="kept")

@@ -46,6 +46,7 @@ def table_file(tmp_path: Path) -> str:
     return str(target)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("allocation", ["area", "pressure"])
 @pytest.mark.parametrize("by_file", [False, True])
 def test_springs_are_those_of_python(allocation: str, by_file: bool, table_file: str) -> None:
@@ -72,6 +73,7 @@ def test_one_table_for_all_faces() -> None:
     np.testing.assert_allclose(joint.normal_stiffness, normal, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_a_pressure_outside_of_the_table_is_a_warning() -> None:
     case = measured_case(TABLE | {"pressure": ["0.01 MPa", "0.1 MPa", "0.2 MPa"]})
     joint = load_joint(case, set_up(case).layout)
@@ -147,6 +149,7 @@ def test_a_solved_pressure_outside_of_the_table_is_a_warning(
         printed_sentence(each, "8.2e+04 Pa")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("content", "expected"),
     [

@@ -40,6 +40,7 @@ def named(figure: dict[str, Any], name: str) -> dict[str, Any]:
     return next(trace for trace in figure["data"] if html.unescape(trace["name"]) == name)
 
 
+@pytest.mark.slow
 def test_the_band_of_curves_is_that_of_the_samples() -> None:
     statistics = band_statistics(PEAKS, ["peak_amplitude < 0.25 mm"])
     figure = figures_of(statistics)["curves"]
@@ -53,6 +54,7 @@ def test_the_band_of_curves_is_that_of_the_samples() -> None:
     assert max(value for value in lines if value is not None) == pytest.approx(1e6 * max(PEAKS), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_page_begins_with_its_result_in_words() -> None:
     text = html.unescape(page_of(band_statistics(PEAKS, ["peak_amplitude < 0.25 mm"])))
     answer = text[text.index('<div class="answer">') : text.index('<section class="tiles"')]
@@ -60,10 +62,12 @@ def test_the_page_begins_with_its_result_in_words() -> None:
     assert "8 of 32 samples do not satisfy peak_amplitude < 0.25 mm; of all structures," in answer
 
 
+@pytest.mark.slow
 def test_the_page_says_which_checks_its_samples_lack() -> None:
     assert "samples have no search for" in page_of(band_statistics(PEAKS))
 
 
+@pytest.mark.slow
 def test_the_distribution_shows_what_exceeds_the_limit() -> None:
     statistics = band_statistics(PEAKS, ["peak_amplitude < 0.25 mm"])
     figure = figures_of(statistics)["distribution-peak_amplitude"]
@@ -76,12 +80,14 @@ def test_the_distribution_shows_what_exceeds_the_limit() -> None:
     assert statistics.exceedances[0].probability == 0.25
 
 
+@pytest.mark.slow
 def test_indices_have_their_intervals() -> None:
     figure = figures_of(band_statistics(PEAKS))["indices-peak_amplitude"]
     assert [trace["x"] for trace in figure["data"]] == [[100.0], [100.0]]
     assert figure["data"][0]["error_x"]["array"] == pytest.approx([0.0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_failed_and_open_samples_are_notices_and_rows() -> None:
     text = page_of(band_statistics([*PEAKS[:10], None, None], at_end=(3,)))
     assert "2 samples failed" in text
@@ -105,6 +111,7 @@ def tractions() -> TractionRange:
     return TractionRange(2e-4, 1.8e-4, 2.6e-4, lines)
 
 
+@pytest.mark.slow
 def test_the_range_over_residual_tractions_is_a_second_band() -> None:
     statistics = band_statistics(PEAKS, tractions=tractions())
     figures = figures_of(statistics)
@@ -122,12 +129,14 @@ def test_the_range_over_residual_tractions_is_a_second_band() -> None:
     assert statistics.to_dataset()["traction_peak"].values.tolist() == [1.8e-4, 2.6e-4]
 
 
+@pytest.mark.slow
 def test_a_range_over_residual_tractions_that_failed_is_a_notice() -> None:
     text = page_of(band_statistics(PEAKS, tractions="No first point."))
     assert "residual tractions with central inputs was not computed: No first point." in text
     assert "<h2>Residual tractions</h2>" not in text
 
 
+@pytest.mark.slow
 def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
     with rejects(InputError):
         write_band_page(tmp_path / "no" / "band.html", band_statistics(PEAKS), "t", StudyText(""), PROVENANCE)

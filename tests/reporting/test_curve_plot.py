@@ -102,6 +102,7 @@ def test_words_name_jumps_and_the_way_out_of_the_curve(view: View) -> None:
     assert sweep_words(View.of(synthetic_response(), synthetic_study())) == NO_STABILITY
 
 
+@pytest.mark.slow
 def test_tiles_tell_three_peaks_apart_and_one_where_nothing_folds(view: View) -> None:
     def tiles(text: str) -> list[str]:
         part = re.search(r'class="tiles".*?<section', text, flags=re.S)

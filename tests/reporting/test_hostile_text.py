@@ -105,6 +105,7 @@ def test_no_attack_is_in_a_page_unescaped(pages: Any, kind: str) -> None:
             assert attack not in text, attack
 
 
+@pytest.mark.slow
 @KINDS
 def test_data_can_not_end_their_script_nor_begin_another(pages: Any, kind: str) -> None:
     read = Reader(pages[kind][0])
@@ -118,6 +119,7 @@ def test_data_can_not_end_their_script_nor_begin_another(pages: Any, kind: str) 
     assert len(read.scripts) == len(held) + len(others)
 
 
+@pytest.mark.slow
 @KINDS
 def test_the_policy_allows_the_scripts_of_the_page_and_nothing_else(pages: Any, kind: str) -> None:
     read = Reader(pages[kind][0])
@@ -137,6 +139,7 @@ def test_the_policy_allows_the_scripts_of_the_page_and_nothing_else(pages: Any, 
     assert head.index("Content-Security-Policy") < min(head.index("<style"), head.index("<title"), head.index("<link"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["report", "sweep", "band", "design"])
 def test_texts_of_figures_have_no_markup_but_their_own(pages: Any, kind: str) -> None:
     """plotly.js makes links and bold letters of tags, decodes entities, and fills "%{x}" in."""

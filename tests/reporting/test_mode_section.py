@@ -51,6 +51,7 @@ def section(response: ForcedResponse) -> str:
     return text[text.index("<h2>Nonlinear mode</h2>") :].partition("</section>")[0]
 
 
+@pytest.mark.slow
 def test_the_page_says_where_peaks_are_on_the_mode() -> None:
     words = section(with_mode(0.02))
     assert "Mode 2 of the structure with stuck contacts" in words

@@ -66,6 +66,7 @@ def test_page_is_one_file_without_outside_references(text: str) -> None:
     assert "{{" not in own
 
 
+@pytest.mark.slow
 def test_page_says_what_the_reader_must_know(text: str) -> None:
     reference = ("Reference: modal test of the two blades.", "Full model against reference, %")
     for words in (*reference, "0-to-peak", "Hz", "stick-slip", "separating", "Equivalent damping ratio"):
@@ -90,6 +91,7 @@ def test_an_accuracy_is_on_the_page_with_the_error_of_the_peak(
     assert "estimated error" not in text
 
 
+@pytest.mark.slow
 def test_failure_and_warnings_are_prominent(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     failed = dataclasses.replace(response, converged=False, message="Stopped at 420 Hz <fold>.", warnings=("Too few.",))
@@ -130,6 +132,7 @@ def test_peak_at_the_end_of_the_range_is_a_warning(case: tuple[ForcedResponse, S
     assert "highest computed, at an end of the curve at" in text
 
 
+@pytest.mark.slow
 def test_text_of_the_user_cannot_break_the_page(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     nasty = dataclasses.replace(
@@ -141,6 +144,7 @@ def test_text_of_the_user_cannot_break_the_page(case: tuple[ForcedResponse, Stud
     assert json.loads(matched(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))["points"] == 40
 
 
+@pytest.mark.slow
 def test_figures_are_valid_plotly(case: tuple[ForcedResponse, StudyRecord]) -> None:
     view = View.of(*case)
     drawn = [
@@ -259,12 +263,14 @@ def test_the_rough_face_is_drawn_about_its_mean_in_mm_and_um(
     assert f"Sq {1e6 * patch.height.std():.4g} µm of the 5600 points" in text
 
 
+@pytest.mark.slow
 def test_a_study_without_roughness_has_no_rough_face(case: tuple[ForcedResponse, StudyRecord]) -> None:
     text = without_plotly(page(case[0], dataclasses.replace(case[1], rough_patch=None)))
     assert "Rough face" not in text
     assert "rough-map" not in text
 
 
+@pytest.mark.slow
 def test_quantities_from_the_pairing_are_folded(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     derived = (("Pressure", 1.5, "MPa", "mean"), ("Contact pairs, sole", 24, "-", FROM_PAIRING))
@@ -276,6 +282,7 @@ def test_quantities_from_the_pairing_are_folded(case: tuple[ForcedResponse, Stud
     assert "Contact pairs, sole" in folded
 
 
+@pytest.mark.slow
 def test_digits_of_tables(case: tuple[ForcedResponse, StudyRecord]) -> None:
     """Four digits of derived numbers, frequencies to 0.01 Hz; the record keeps all of them."""
     response, study = case
@@ -325,6 +332,7 @@ def test_page_to_a_folder_that_is_not_there(case: tuple[ForcedResponse, StudyRec
         write_page(tmp_path / "none" / "report.html", *case)
 
 
+@pytest.mark.slow
 def test_study_without_faces_groups_or_modes(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     bare = dataclasses.replace(study, signal_groups={}, mode_table=(), derived=())
@@ -342,6 +350,7 @@ def test_a_mode_that_only_the_reference_has_is_shown_without_deviation(
     assert re.search(r"<tr><td>2</td><td[^>]*>–</td>(<td>–</td>){4}<td>530.00</td><td>–</td></tr>", section)
 
 
+@pytest.mark.slow
 def test_a_section_is_one_object_and_shows_where_it_applies(
     case: tuple[ForcedResponse, StudyRecord], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -361,6 +370,7 @@ def test_a_section_is_one_object_and_shows_where_it_applies(
     assert "Moving pairs False" not in text
 
 
+@pytest.mark.slow
 def test_states_of_other_laws_have_their_names(
     case: tuple[ForcedResponse, StudyRecord], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -38,6 +38,7 @@ def response() -> ForcedResponse:
     return replace(synthetic_response(), performance_curve=RIDGE)
 
 
+@pytest.mark.slow
 def test_each_sentence_is_an_item_with_forces_in_newton() -> None:
     text = page_text(response(), synthetic_study())
     section = text[text.index("<h2>Performance curve of the damper</h2>") :].partition("</section>")[0]

@@ -28,6 +28,7 @@ def section(sketch: Sketch, **changes: Any) -> str:
     return STRUCTURE.on_page(View.of(synthetic_response(), study)).html
 
 
+@pytest.mark.slow
 def test_the_picture_is_reported_in_words() -> None:
     sketch = stacked_boxes(
         load_names=("shaker", "weight"), load_places=CUBE[[5, 6]], loads=np.array([[3.0, 4.0, 0.0], [0.0, 0.0, -2.0]]),
@@ -57,6 +58,7 @@ def test_the_picture_is_reported_in_words() -> None:
         assert f"{words}</label>" in text
 
 
+@pytest.mark.slow
 def test_no_mark_is_explained_that_is_not_there() -> None:
     text = section(sketch_of_boxes(CUBE))
     for words in ("constrained node", "constant force", "contact", "transparent"):
@@ -64,12 +66,14 @@ def test_no_mark_is_explained_that_is_not_there() -> None:
     assert 'data-view="contact"' not in text
 
 
+@pytest.mark.slow
 def test_the_still_picture_is_part_of_it() -> None:
     image = re.findall(r'src="data:image/png;base64,([^"]*)"', section(stacked_boxes()))
     assert len(image) == 1
     assert base64.b64decode(image[0]).startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_magnification_and_largest_displacement_are_written() -> None:
     text = section(shaken(stacked_boxes()))
     assert "Deflected shape at the peak, 410.50 Hz: displacements × 57, mean and all harmonics." in text
@@ -77,6 +81,7 @@ def test_magnification_and_largest_displacement_are_written() -> None:
     assert 'id="structure-play"' in text
 
 
+@pytest.mark.slow
 def test_a_mean_that_is_left_out_is_reported() -> None:
     sketch = shaken(stacked_boxes())
     assert sketch.motion is not None
@@ -110,6 +115,7 @@ def test_more_bodies_than_the_legend_shows() -> None:
     assert sorted(numbers) == list(range(2 * 15 + 3))
 
 
+@pytest.mark.slow
 def test_names_of_a_user_cannot_break_the_page() -> None:
     nasty = 'a<b & "c"</svg><script>'
     sketch = stacked_boxes(load_names=(nasty,), response_names=(nasty,), body_names=(nasty, nasty))

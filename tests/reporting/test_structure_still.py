@@ -59,6 +59,7 @@ def test_both_sides_that_touch_have_one_shade() -> None:
     assert colours[FRONT] != pytest.approx(colours[BACK])
 
 
+@pytest.mark.slow
 def test_a_face_in_sight_fills_its_side() -> None:
     face = np.full(6, -1)
     face[ABOVE] = 1

@@ -71,6 +71,7 @@ def test_many_values_have_a_colour_bar() -> None:
     assert len({trace["line"]["color"] for trace in data[:-1]}) == 15
 
 
+@pytest.mark.slow
 def test_very_many_curves_share_lines_and_none_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plots, "SEPARATE_CURVES", 10)
     loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))

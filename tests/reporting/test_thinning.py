@@ -40,6 +40,7 @@ def test_a_fold_stays_a_fold() -> None:
     assert x[retained].min() == pytest.approx(x.min(), abs=0.1)
 
 
+@pytest.mark.slow
 def test_many_curves_keep_at_least_their_ends() -> None:
     result = thinned([resonance(1.0, 430.0 + k) for k in range(20)], 10)
     assert result.tolerance == 0.02

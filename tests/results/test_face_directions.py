@@ -18,6 +18,7 @@ MIDDLE = np.array([[0.1, 0.2, 0.3], [0.0, 0.0, 0.0]])
 TANGENTS = np.array([[[0.0, 0.6, 0.8], [0, 0, 0]], [[1.0, 0, 0], [0, 0, 0]]])
 
 
+@pytest.mark.slow
 def test_a_results_file_contains_them(tmp_path: Path) -> None:
     study = dataclasses.replace(synthetic_study(), face_directions=FaceDirections(MIDDLE, *TANGENTS))
     save_results(tmp_path / "results.nc", synthetic_response(), study)

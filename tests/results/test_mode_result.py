@@ -21,11 +21,13 @@ def mode() -> NonlinearMode:
     return ss.nonlinear_mode(*one_mass(ratio=0.002), 1, (1e-6, 1e-3), harmonics=3, samples=64)
 
 
+@pytest.mark.slow
 def test_the_file_comes_back_equal(mode: NonlinearMode, tmp_path: Path) -> None:
     mode.save(tmp_path / "mode.nc")
     assert NonlinearMode.load(tmp_path / "mode.nc") == mode
 
 
+@pytest.mark.slow
 def test_a_response_stores_its_mode(mode: NonlinearMode, tmp_path: Path) -> None:
     superelement, pairs = one_mass(ratio=0.002)
     response = ss.forced_response(superelement, pairs, [1.0], frequency_hz=(130.0, 140.0), harmonics=1, samples=64)

@@ -118,6 +118,7 @@ def test_the_figure_shows_peaks_limits_and_optimum() -> None:
     assert below.get_xlabel() == "load, N"
 
 
+@pytest.mark.slow
 def test_checks_and_doubtful_points_are_in_words_file_and_figure(tmp_path: Path) -> None:
     error = np.where(LOADS < 5.0, 0.2 / LOADS, 0.003)
     check = CheckedPeak(10.0, 1.5e-5, 49.5, 0.004, 7)

@@ -57,6 +57,7 @@ def test_response_and_study_come_back_equal(response: ForcedResponse, saved: Pat
     assert os.listdir(saved.parent) == ["results.nc"]
 
 
+@pytest.mark.slow
 def test_a_file_without_a_rough_face_is_read(response: ForcedResponse, tmp_path: Path) -> None:
     """Files of runs before the picture was kept, cases of sweeps, and studies without roughness have none."""
     study = dataclasses.replace(synthetic_study(4, 3), rough_patch=None)
@@ -66,6 +67,7 @@ def test_a_file_without_a_rough_face_is_read(response: ForcedResponse, tmp_path:
     assert load_results(tmp_path / "plain.nc").study == study != synthetic_study(4, 3)
 
 
+@pytest.mark.slow
 def test_response_alone_and_anisotropic_pairs(response: ForcedResponse, tmp_path: Path) -> None:
     springs = np.column_stack([response.pairs.tangential_stiffness, 0.9 * response.pairs.tangential_stiffness])
     changed = dataclasses.replace(
@@ -79,6 +81,7 @@ def test_response_alone_and_anisotropic_pairs(response: ForcedResponse, tmp_path
     assert load_results(tmp_path / "a.nc").study is None
 
 
+@pytest.mark.slow
 def test_residual_tractions_come_back(response: ForcedResponse, tmp_path: Path) -> None:
     traction = 0.5 * response.pairs.friction_coefficient[:, None] * response.pairs.normal_load[:, None] * [[0.6, -0.8]]
     changed = dataclasses.replace(response, pairs=changed_pairs(response, residual_traction=traction))
@@ -88,12 +91,14 @@ def test_residual_tractions_come_back(response: ForcedResponse, tmp_path: Path) 
     assert again.pairs.residual_traction is not None
 
 
+@pytest.mark.slow
 def test_long_study_file_survives(response: ForcedResponse, tmp_path: Path) -> None:
     study = dataclasses.replace(synthetic_study(4, 3), inputs="# line of the study file\n" * 8000)
     save_results(tmp_path / "long.nc", response, study)
     assert load_results(tmp_path / "long.nc").study == study
 
 
+@pytest.mark.slow
 def test_file_is_labelled_for_other_readers(response: ForcedResponse, saved: Path) -> None:
     with xarray.open_dataset(saved, engine="h5netcdf") as root:
         assert root.attrs["stickslip_format"] == FORMAT_VERSION
@@ -158,6 +163,7 @@ def test_missing_variable_is_damage(saved: Path) -> None:
         load_results(saved)
 
 
+@pytest.mark.slow
 def test_failed_save_leaves_the_old_file_and_no_other(
     response: ForcedResponse, saved: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -216,6 +222,7 @@ def test_study_of_another_run_is_rejected(response: ForcedResponse, tmp_path: Pa
         save_results(tmp_path / "results.nc", response, synthetic_study(11, 5))
 
 
+@pytest.mark.slow
 def test_a_changed_letter_of_a_text_is_noticed(response: ForcedResponse, tmp_path: Path) -> None:
     """The message of the solver is a text of the file; HDF5 has checksums for arrays only."""
     path = tmp_path / "results.nc"

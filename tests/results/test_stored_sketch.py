@@ -42,6 +42,7 @@ def test_a_sketch_comes_back_equal(study: StudyRecord, tmp_path: Path) -> None:
     assert again != dataclasses.replace(study, sketch=None)
 
 
+@pytest.mark.slow
 def test_a_sketch_without_loads_or_responses_comes_back_equal(study: StudyRecord, tmp_path: Path) -> None:
     none = {"load_names": (), "load_places": np.empty((0, 3)), "loads": np.empty((0, 3)), "constant": np.empty(0, bool)}
     bare = stacked_boxes(**none, response_names=(), response_places=np.empty((0, 3)))
@@ -49,6 +50,7 @@ def test_a_sketch_without_loads_or_responses_comes_back_equal(study: StudyRecord
     assert load_results(stored(tmp_path, record)).study == record
 
 
+@pytest.mark.slow
 def test_a_file_without_a_sketch_is_read_as_one(study: StudyRecord, tmp_path: Path) -> None:
     path = stored(tmp_path, study)
     with h5py.File(path, "r+") as file:
@@ -57,6 +59,7 @@ def test_a_file_without_a_sketch_is_read_as_one(study: StudyRecord, tmp_path: Pa
     assert actual == dataclasses.replace(study, sketch=None)
 
 
+@pytest.mark.slow
 def test_a_motion_comes_back_equal_in_single_precision(study: StudyRecord, tmp_path: Path) -> None:
     moving = dataclasses.replace(study, sketch=shaken(stacked_boxes()))
     path = stored(tmp_path, moving)
@@ -72,6 +75,7 @@ def test_a_motion_comes_back_equal_in_single_precision(study: StudyRecord, tmp_p
         assert file["sketch/motion_of_points_cosine"].shape == (16, 3, 3)
 
 
+@pytest.mark.slow
 def test_a_motion_without_loads_or_responses_comes_back_equal(study: StudyRecord, tmp_path: Path) -> None:
     none = {"load_names": (), "load_places": np.empty((0, 3)), "loads": np.empty((0, 3)), "constant": np.empty(0, bool)}
     bare = shaken(stacked_boxes(**none, response_names=(), response_places=np.empty((0, 3))))
@@ -79,6 +83,7 @@ def test_a_motion_without_loads_or_responses_comes_back_equal(study: StudyRecord
     assert load_results(stored(tmp_path, record)).study == record
 
 
+@pytest.mark.slow
 def test_a_file_without_a_motion_is_read_as_one(study: StudyRecord, tmp_path: Path) -> None:
     """Files of versions before the motion was stored open as they are."""
     path = stored(tmp_path, dataclasses.replace(study, sketch=shaken(stacked_boxes())))
@@ -130,6 +135,7 @@ def test_a_damaged_motion_is_reported(study: StudyRecord, tmp_path: Path, damage
         load_results(path)
 
 
+@pytest.mark.slow
 def test_no_group_where_there_is_no_sketch(study: StudyRecord, tmp_path: Path) -> None:
     path = stored(tmp_path, dataclasses.replace(study, sketch=None))
     with h5netcdf.File(path, "r") as file:

@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pytest
 import xarray
 
 import stickslip as ss
@@ -45,6 +46,7 @@ def test_csv_keeps_every_digit_and_leaves_cells_empty(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["t.csv"]
 
 
+@pytest.mark.slow
 def test_netcdf_has_units_and_words(tmp_path: Path) -> None:
     TABLE.to_netcdf(tmp_path / "t.nc")
     data = xarray.load_dataset(tmp_path / "t.nc", engine="h5netcdf")
@@ -55,6 +57,7 @@ def test_netcdf_has_units_and_words(tmp_path: Path) -> None:
     assert all("long_name" in data[name].attrs for name in data.variables)
 
 
+@pytest.mark.slow
 def test_a_body_with_a_slash_in_its_name_loses_no_table(tmp_path: Path) -> None:
     key = dataclasses.replace(load_key((100.0, 300.0)), name="bodies.Part/Body.density")
     table = sweep_view((key, MODE), [1e-4, None, 3e-4, 4e-4]).table

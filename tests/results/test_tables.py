@@ -92,6 +92,7 @@ def test_gradients_and_ridges_are_tables() -> None:
     assert "performance_curve" not in made
 
 
+@pytest.mark.slow
 def test_csv_has_every_digit_and_units_in_its_heading(folder: Path) -> None:
     files = export_tables(folder, "csv")
     assert {file.parent for file in files} == {folder / "tables"}
@@ -103,6 +104,7 @@ def test_csv_has_every_digit_and_units_in_its_heading(folder: Path) -> None:
         assert ["Zweite Zeile\nmit µ"] in list(csv.reader(stream))
 
 
+@pytest.mark.slow
 def test_a_workbook_has_a_sheet_for_each_table_and_no_formula(folder: Path) -> None:
     from openpyxl import load_workbook
 
@@ -145,6 +147,7 @@ def test_names_of_matlab_differ_and_control_characters_do_not_stop_a_workbook(tm
     assert odd["x1st"][0] == "x\x07"
 
 
+@pytest.mark.slow
 def test_wrong_requests_are_rejected_before_anything_is_written(folder: Path, tmp_path: Path) -> None:
     with rejects(InputError, "to"):
         export_tables(folder, "ods")

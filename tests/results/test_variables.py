@@ -116,12 +116,14 @@ def test_a_file_of_an_older_version_is_read() -> None:
     assert old.response.warnings == ("too few harmonics",)
 
 
+@pytest.mark.slow
 def test_load_factors_come_back(response: ForcedResponse, tmp_path: Path) -> None:
     changed = dataclasses.replace(response, load_factor=np.linspace(0.5, 2.0, response.n_points))
     changed.save(tmp_path / "held.nc")
     assert ForcedResponse.load(tmp_path / "held.nc") == changed
 
 
+@pytest.mark.slow
 def test_pairs_with_gaps_and_another_return_come_back_to_the_last_digit(
     response: ForcedResponse, tmp_path: Path
 ) -> None:
@@ -179,6 +181,7 @@ def mixed(response: ForcedResponse, monkeypatch: pytest.MonkeyPatch) -> ForcedRe
     return dataclasses.replace(response, pairs=pairs)
 
 
+@pytest.mark.slow
 def test_pairs_of_any_law_come_back(mixed: ForcedResponse, tmp_path: Path) -> None:
     mixed.save(tmp_path / "mixed.nc")
     again = ForcedResponse.load(tmp_path / "mixed.nc")
@@ -191,6 +194,7 @@ def test_pairs_of_any_law_come_back(mixed: ForcedResponse, tmp_path: Path) -> No
     assert again.pairs.state_names == {0: "stuck or held", 1: "stick-slip", 2: "separating"}
 
 
+@pytest.mark.slow
 def test_a_law_that_is_not_known_here_is_named(mixed: ForcedResponse, tmp_path: Path) -> None:
     mixed.save(tmp_path / "mixed.nc")
     del laws._LAWS._makers[_Springs.name]
@@ -210,6 +214,7 @@ def test_a_constant_that_no_file_can_store_is_rejected(mixed: ForcedResponse, tm
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_damage_to_the_pairs_of_a_law_is_noticed(mixed: ForcedResponse, tmp_path: Path) -> None:
     mixed.save(tmp_path / "mixed.nc")
     with h5py.File(tmp_path / "mixed.nc", "r+") as file:

@@ -181,6 +181,7 @@ def test_the_opposite_of_a_prescribed_phase_is_not_mistaken_for_it(phase_deg: fl
         assert np.degrees(np.arctan2(coefficients[2], coefficients[1])) == pytest.approx(-90.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_contact_that_does_not_move_lets_the_path_continue() -> None:
     """The plane of the path has no part of unknowns that stand still; its normal was divided by zero."""
     superelement, pairs, excitation, natural = two_masses_beside_a_contact()

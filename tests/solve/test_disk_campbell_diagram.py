@@ -28,6 +28,7 @@ def diagram() -> Any:
     return ss.disk_campbell_diagram(sector_at, DISK.pairs, SPEEDS, count=4)
 
 
+@pytest.mark.slow
 def test_frequencies_are_those_of_each_wave_of_the_full_ring(diagram: Any) -> None:
     assert diagram.diameters == (0, 1, 2)
     for place, rpm in enumerate(SPEEDS.tolist()):

@@ -32,6 +32,7 @@ def test_motions_are_told_apart_by_the_starts_of_their_periods() -> None:
     assert repeats_after(np.zeros((3, 2)), 1.0) is None
 
 
+@pytest.mark.slow
 def test_a_slow_resonance_has_not_settled_though_successive_periods_agree() -> None:
     settling = lost_resonance()
     evidence = settling.evidence_from_rest(2.0 * np.pi * 356.0)

@@ -24,6 +24,7 @@ def response_to(excitation: ss.Excitation, harmonics: int = 1) -> ss.ForcedRespo
     return ss.forced_response(structure, pairs, excitation, frequency_hz=(60.0, 110.0), harmonics=harmonics, samples=64)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("excitation", "force"),
     [
@@ -77,6 +78,7 @@ def test_an_unbalance_turns() -> None:
     assert not force.is_constant
 
 
+@pytest.mark.slow
 def test_several_harmonics_excite_their_own() -> None:
     cos = np.zeros((3, 2))
     cos[0] = [3.0, 1.0]
@@ -85,6 +87,7 @@ def test_several_harmonics_excite_their_own() -> None:
     assert response.harmonic_amplitude(ROW, 2) == pytest.approx(np.abs(receptance(2 * omega)), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_words_and_arrays_as_before() -> None:
     both = ss.Excitation.force(ROW) + ss.Excitation.base_motion(ROW, 9.81)
     assert repr(both) == "Excitation(harmonic force and base acceleration of 9.81 m/s2; 3 unknowns)"

@@ -33,6 +33,7 @@ def bench(blade: Blade) -> ForcedResponse:
     )
 
 
+@pytest.mark.slow
 def test_a_curve_without_checks_has_the_same_points(blade: Blade, bench: ForcedResponse) -> None:
     plain = blade.response(frequency_hz=blade.window_hz, harmonics=3, samples=128, checks=False)
     assert np.array_equal(plain.displacement, bench.displacement)
@@ -159,6 +160,7 @@ def test_the_branch_is_followed_through_folds(bench: ForcedResponse) -> None:
     assert bench.frequency_hz[-1] == pytest.approx(bench.settings["frequency_stop_hz"])
 
 
+@pytest.mark.slow
 def test_force_in_two_harmonics_superposes_while_stuck(blade: Blade) -> None:
     """With a tiny force nothing slips, so each harmonic answers on its own."""
     size = blade.superelement.size
@@ -177,6 +179,7 @@ def test_force_in_two_harmonics_superposes_while_stuck(blade: Blade) -> None:
     assert both.harmonic_amplitude(blade.tip, 2)[-1] == pytest.approx(expected, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_too_few_harmonics_and_samples_are_reported(blade: Blade) -> None:
     coarse = blade.response(
         frequency_hz=(690.0, 735.0),
@@ -186,6 +189,7 @@ def test_too_few_harmonics_and_samples_are_reported(blade: Blade) -> None:
     printed_sentence("\n".join(coarse.warnings))
 
 
+@pytest.mark.slow
 def test_one_harmonic_is_not_enough_and_is_reported(blade: Blade) -> None:
     single = forced_response(
         blade.superelement, blade.pairs, blade.force_cos, frequency_hz=(680.0, 735.0), harmonics=1, samples=128
@@ -233,6 +237,7 @@ def test_a_joint_too_stiff_for_the_arithmetic_is_reported() -> None:
         forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
 
 
+@pytest.mark.slow
 def test_a_gap_is_open_at_rest_and_closes_at_its_width() -> None:
     """Without contact nothing moves the mean; contact begins where the motion reaches preload / stiffness."""
     superelement = Superelement(np.eye(1), np.array([[1e6]]), np.array([[40.0]]))
@@ -318,6 +323,7 @@ def test_progress_is_reported(blade: Blade) -> None:
     assert words[-4:-1] == ["energies and checks of the curve", "stability of the points", "linear limits"]
 
 
+@pytest.mark.slow
 def test_iterations_of_newton_are_reported_at_the_start_and_along_the_curve(blade: Blade) -> None:
     words: list[str] = []
     blade.response(

@@ -158,6 +158,7 @@ def test_one_pair_that_slips_has_no_other_solutions() -> None:
     assert other.without_solution == 0
 
 
+@pytest.mark.slow
 def test_a_search_rejects_what_it_cannot_use() -> None:
     structure, pairs, force = friction()
     curve = ss.forced_response(structure, pairs, force, frequency_hz=(60.0, 70.0), harmonics=1, samples=32)

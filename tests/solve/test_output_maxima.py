@@ -60,6 +60,7 @@ def test_outputs_of_a_vibration_are_those_of_its_displacement(blade: Blade) -> N
     np.testing.assert_allclose(answer, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("window_hz", [WINDOW_HZ, (88.0, 30.0)])
 def test_a_flat_maximum_between_two_points_gets_a_point(window_hz: tuple[float, float]) -> None:
     without, response = two_modes(window_hz), two_modes(window_hz, outputs=OUTPUT)
@@ -78,6 +79,7 @@ def test_a_flat_maximum_between_two_points_gets_a_point(window_hz: tuple[float, 
     assert response.residual.max() < 1e-9
 
 
+@pytest.mark.slow
 def test_every_output_counts_and_one_without_a_maximum_adds_no_point() -> None:
     rising = np.array([1.0, 0.0])
     assert two_modes(outputs=rising).n_points == two_modes().n_points
@@ -109,6 +111,7 @@ def test_a_place_without_a_solution_gives_a_warning(monkeypatch: pytest.MonkeyPa
     assert hertz == pytest.approx(MAXIMUM_HZ, abs=6.0)  # that of the cubic
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("position", [-1, 0, 1])
 def test_an_interruption_gets_no_point_and_keeps_its_place(position: int, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: dict[str, Any] = {}

@@ -283,6 +283,7 @@ def test_pieces_with_more_harmonics_that_are_the_same_motion_are_one(monkeypatch
     assert parted.part.max() == 0
 
 
+@pytest.mark.slow
 def test_a_lost_curve_with_an_accuracy_goes_on_with_the_harmonics_of_the_settled_motion(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -94,6 +94,7 @@ class Scripted:
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("factor", "verdict"), [(1.0, "steps"), (1.03, "different")])
 def test_a_difference_of_the_steps_is_no_difference_of_the_branches(factor: float, verdict: str) -> None:
     """Curves that agree with a quarter of the steps are one branch."""

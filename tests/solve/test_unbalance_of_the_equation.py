@@ -49,6 +49,7 @@ def test_an_undamped_resonance_ends_the_curve() -> None:
     printed_sentence(window.message, numbers=False)
 
 
+@pytest.mark.slow
 def test_contact_of_a_massless_unknown_is_solved_without_damping() -> None:
     response = two_masses(1e6, None, 1e-14)
     assert response.converged, response.message

@@ -78,6 +78,7 @@ def test_a_mass_walks_as_in_time_integration(static: float) -> None:
     assert response.amplitude(np.eye(3)[0])[point] < 2.0 * motion[0]
 
 
+@pytest.mark.slow
 def test_a_walk_starts_from_its_place() -> None:
     """The first cycle of a time integration from the curve is that of the walk."""
     response = solved()
@@ -90,6 +91,7 @@ def test_a_walk_starts_from_its_place() -> None:
     assert 0.5 * np.ptp(response.signal([1, 0, 0], point, 1000)) == pytest.approx(motion[0], rel=1e-2)
 
 
+@pytest.mark.slow
 def test_curves_beside_a_walk_leave_the_way_out() -> None:
     response = solved(band=[1, 0, 0])
     assert response.walk is not None
@@ -99,6 +101,7 @@ def test_curves_beside_a_walk_leave_the_way_out() -> None:
         assert curve.amplitude.max() < 2.0 * largest
 
 
+@pytest.mark.slow
 def test_the_energy_of_a_walk_balances() -> None:
     """Also where a static load, which the traction at rest balances, works on the way."""
     for traction in (None, [[2.0, 0.0]]):
@@ -107,6 +110,7 @@ def test_the_energy_of_a_walk_balances() -> None:
         assert lost == pytest.approx(response.input_energy, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_walk_is_reported() -> None:
     response = solved()
     assert response.pairs.residual_traction is not None
@@ -117,6 +121,7 @@ def test_a_walk_is_reported() -> None:
     printed_sentence("\n".join(response.warnings), f"{1e6 * way:.3g} um", numbers=False)
 
 
+@pytest.mark.slow
 def test_a_body_that_sticks_does_not_walk() -> None:
     response = solved(share=0.005)
     assert (response.contact_state == ss.ContactState.STUCK).all()
@@ -124,6 +129,7 @@ def test_a_body_that_sticks_does_not_walk() -> None:
     assert response.walk is None
 
 
+@pytest.mark.slow
 def test_without_need_the_tractions_stay_released() -> None:
     mass = ss.Superelement(np.eye(3), np.diag(SUPPORT + np.array([1e5, 0.0, 0.0])), np.diag(DAMPING))
     pairs = ss.ContactPairs(np.eye(3), STIFFNESS, STIFFNESS, FRICTION, LOAD)

@@ -110,6 +110,7 @@ def test_damaged_file_is_named_and_made_again(reduction: Counted) -> None:
     assert reduction.calls == 2
 
 
+@pytest.mark.slow
 def test_no_damage_gives_numbers_or_a_fault(reduction: Counted) -> None:
     reduction.cached()
     file = kept_file()

@@ -59,6 +59,7 @@ def theory_hz(diameter: int, thickness: float) -> float:
     return float(wave_number**2 * np.sqrt(bending / (STEEL.density * thickness)) / (2.0 * np.pi))
 
 
+@pytest.mark.slow
 def test_the_published_numbers_are_those_of_plate_theory() -> None:
     """The published ones have three digits, and that of no nodal diameter is 0.6 % below the closed form."""
     exact = [theory_hz(diameter, THICKNESS) for diameter in range(4)]

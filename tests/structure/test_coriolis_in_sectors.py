@@ -60,6 +60,7 @@ def all_whirling_hz(stiffness: Any, mass: Any, gyroscopic: Any) -> Any:
     return gyroscopic_modes(np.sqrt(squares), modes.conj().T @ (gyroscopic @ modes))[0] / (2.0 * np.pi)
 
 
+@pytest.mark.slow
 def test_frequencies_of_all_waves_are_those_of_the_full_ring(rotor: Any) -> None:
     ring = ss.rotating(small(SECTORS), AXIS)
     at_speed = ring.at(SPEED)
@@ -92,6 +93,7 @@ def test_frequencies_of_all_waves_are_those_of_the_full_ring(rotor: Any) -> None
     assert np.abs(reduced.natural_frequencies(1, 3) / still - 1.0).max() > 1e-2
 
 
+@pytest.mark.slow
 def test_waves_of_a_rotating_ring_split_by_the_closed_form() -> None:
     """In the frame of a thin ring that rotates at W the backward wave is faster by ``4 n W / (n^2 + 1)``.
 

@@ -71,6 +71,7 @@ def test_static_response_to_boundary_forces_is_exact(held_block: Structure) -> N
     np.testing.assert_allclose(reduced.recovery @ answer, exact, atol=1e-10 * np.abs(exact).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_modes", [0, 5])
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_large_boundary_reduced_by_blocks_gives_the_same_matrices(
@@ -99,6 +100,7 @@ def test_a_large_boundary_reduced_by_blocks_gives_the_same_matrices(
     np.testing.assert_allclose(blocks.factor.solve(load), whole.factor.solve(load), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_all_modes_give_the_full_model_and_more_modes_never_raise_a_frequency(held_block: Structure) -> None:
     nodes = np.array([40, 20])
     exact, _ = natural_frequencies(held_block.stiffness, held_block.mass, 5)
@@ -149,6 +151,7 @@ def test_a_boundary_that_leaves_the_damper_free_is_rejected(blade_mesh: Mesh, bl
         craig_bampton(blade_structure, blade_mesh.node_set("left_face"))
 
 
+@pytest.mark.slow
 def test_table_needs_a_recovery(
     blade_mesh: Mesh, blade_structure: Structure, pairs_of: Callable[[Mesh], FacePairs]
 ) -> None:
@@ -156,6 +159,7 @@ def test_table_needs_a_recovery(
         reduction_table(blade_structure, Superelement(np.eye(3), np.eye(3)), pairs_of(blade_mesh))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["tetra10", "wedge15"])
 def test_tetrahedra_and_wedges_are_reduced_and_kept(
     make_block: Callable[..., Mesh], kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

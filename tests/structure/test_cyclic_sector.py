@@ -64,6 +64,7 @@ def symmetry_of(structure: Any) -> Any:
     return cyclic_symmetry(structure.mesh.points, *boundaries(structure, SECTORS))
 
 
+@pytest.mark.slow
 def test_the_frequencies_of_all_nodal_diameters_are_those_of_the_ring(sector: Any, ring_hz: Any) -> None:
     symmetry = cyclic_symmetry(sector.mesh.points, *boundaries(sector, SECTORS))
     found = sector_frequencies(sector, symmetry, range(4), 8)
@@ -115,6 +116,7 @@ def test_the_static_response_of_a_reduction_is_that_of_the_ring(sector: Any) -> 
     np.testing.assert_allclose(own[3:6], motion[ring.unknowns_of([here])[0]], rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_calculix_has_the_same_frequencies(tmp_path: Any) -> None:
     program = shutil.which("ccx")
     if program is None:

@@ -65,6 +65,7 @@ def test_linear_fields_satisfy_the_tie(quadratic: bool) -> None:
     assert nodes.distance.max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quadratic", [False, True])
 def test_rigid_motions_pass_a_gap_and_nothing_else_is_free(quadratic: bool) -> None:
     """Six frequencies are zero with a gap of a tenth of an element between the faces, too."""
@@ -109,6 +110,7 @@ def test_the_patch_test_is_exact_where_a_finer_mesh_divides_the_sides() -> None:
     assert patch_error((2, 2, 1), (2, 2, 1), True) < 1e-12
 
 
+@pytest.mark.slow
 def test_the_patch_test_of_other_meshes_has_an_error_of_first_order() -> None:
     """Node-to-surface ties transmit forces at nodes. Displacements next to the face are off by some percent, in
     proportion to the size of the elements. docs/ties.md gives these numbers."""

@@ -65,6 +65,7 @@ def test_a_free_body_is_at_rest_and_the_other_one_as_if_alone(alone: Any, both: 
     np.testing.assert_allclose(pull, [7800.0 * 6e-5 * 0.55, 0.0, 0.0], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_frequencies_at_a_speed_and_collapse_are_those_of_the_supported_body(alone: Any, both: Any) -> None:
     loose = ss.assemble(block(), STEEL)
     elastic = natural_frequencies(loose.stiffness, loose.mass, 9)[0][6:]
@@ -127,6 +128,7 @@ def sector_with_block() -> tuple[Any, CyclicSymmetry]:
     return structure, ss.cyclic_symmetry(points, left, right)
 
 
+@pytest.mark.slow
 def test_a_sector_with_a_free_body_has_the_frequencies_of_the_plate() -> None:
     structure, symmetry = sector_with_block()
     rotor = ss.rotating(structure, AXIS, symmetry=symmetry, free_bodies="at rest")
@@ -147,6 +149,7 @@ def test_a_sector_with_a_free_body_has_the_frequencies_of_the_plate() -> None:
         rotor.at(1e6)
 
 
+@pytest.mark.slow
 def test_one_reduction_of_a_free_body_beside_a_supported_one(alone: Any, both: Any) -> None:
     """The collapse is that of the supported body, and the highest speed has the frequencies of the mesh."""
     across = {

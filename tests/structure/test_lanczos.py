@@ -25,6 +25,7 @@ def test_values_of_a_chain() -> None:
     np.testing.assert_allclose(chain(50) @ vectors, vectors * values, atol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [7, 8, 10, 13])
 @pytest.mark.parametrize("with_mass", [False, True])
 def test_every_copy_of_a_multiple_value_is_found(count: int, with_mass: bool) -> None:

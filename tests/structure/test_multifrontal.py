@@ -65,6 +65,7 @@ def test_the_factor_solves_the_interior(held_block: Structure, small_fronts: Non
     np.testing.assert_array_equal(right, given)
 
 
+@pytest.mark.slow
 def test_the_digits_do_not_depend_on_the_threads(held_block: Structure, small_fronts: None) -> None:
     for one, two in zip(of_block(held_block)[1], of_block(held_block, threads=2)[1], strict=True):
         np.testing.assert_array_equal(one, two)

@@ -71,6 +71,7 @@ def ring_frequencies(mesh: Mesh, symmetry: CyclicSymmetry, count: int) -> np.nda
     return natural_frequencies(stiffness.tocsr(), structure.mass, count)[0]
 
 
+@pytest.mark.slow
 def test_stuck_pairs_across_the_boundary_are_those_of_the_ring(slit: tuple[Mesh, CyclicSymmetry]) -> None:
     mesh, symmetry = slit
     pairs = rim_pairs(mesh, symmetry)

@@ -98,6 +98,7 @@ def test_the_static_compliance_of_the_pairs_is_exact_without_modes(held_block: S
     np.testing.assert_allclose(compliance(reduced(model, 0), 0.0), exact, atol=1e-10 * np.abs(exact).max())
 
 
+@pytest.mark.slow
 def test_the_compliance_converges_to_that_of_the_full_model(held_block: Structure, model: RelativeModel) -> None:
     """At 1500 Hz, above ten natural frequencies of the block (182 to 1450 Hz without contact)."""
     omega = 2.0 * np.pi * 1500.0
@@ -140,6 +141,7 @@ def test_vibrations_on_the_mesh_are_displacements(held_block: Structure, model: 
     np.testing.assert_allclose(motion, exact, atol=1e-3 * np.abs(exact).max())
 
 
+@pytest.mark.slow
 def test_the_curve_is_that_with_both_sides(held_block: Structure, model: RelativeModel) -> None:
     """With all modes but one both reductions are nearly the full model: one pair sticks, one slips, one separates."""
     pairs, curves = three_pairs(), []

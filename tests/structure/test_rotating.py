@@ -40,6 +40,7 @@ def test_a_rod_stretches_by_its_closed_form() -> None:
 FLAP = {0.0: (3.5160, 22.0345), 2.0: (4.1373, 22.6149), 6.0: (7.3604, 26.8091), 12.0: (13.1702, 37.6031)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", FLAP)
 def test_a_rotating_cantilever_has_the_frequencies_of_the_beam(speed: float) -> None:
     length, width, depth = 1.0, 0.02, 0.01

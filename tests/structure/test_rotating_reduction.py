@@ -38,6 +38,7 @@ def whirling_hz(superelement: Any, count: int) -> Any:
     return gyroscopic_modes(np.sqrt(squares), coupling)[0][:count] / (2.0 * np.pi)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.0, 0.5 * TOP, TOP])
 def test_one_reduction_has_the_frequencies_of_the_mesh_at_every_speed(rotor: Any, reduced: Any, speed: float) -> None:
     np.testing.assert_allclose(whirling_hz(reduced.at(speed), 6), rotor.natural_frequencies(speed, 6), rtol=2e-4)

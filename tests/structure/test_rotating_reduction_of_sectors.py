@@ -37,6 +37,7 @@ def reduced(rotor: Any) -> Any:
     return ss.rotating_sector(rotor, rim_of(rotor), TOP, n_modes=14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.0, 12_000.0, TOP])
 @pytest.mark.parametrize("direction", ["forward", "backward"])
 def test_frequencies_of_all_waves_at_all_speeds(rotor: Any, reduced: Any, speed: float, direction: Any) -> None:
@@ -73,6 +74,7 @@ def test_all_diameters_have_one_number_of_unknowns(reduced: Any) -> None:
     assert "RotatingSector" in repr(reduced)
 
 
+@pytest.mark.slow
 def test_bad_input(rotor: Any, reduced: Any) -> None:
     with rejects(ss.InputError, "speed_rpm"):
         reduced.at(TOP + 1.0)

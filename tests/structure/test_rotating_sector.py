@@ -46,6 +46,7 @@ def symmetry(sector: Any) -> Any:
     return ss.cyclic_symmetry(sector.mesh.points, *boundaries(sector))
 
 
+@pytest.mark.slow
 def test_a_sector_has_the_static_state_and_the_frequencies_of_the_ring(sector: Any, symmetry: Any) -> None:
     rotor, ring = ss.rotating(sector, AXIS, symmetry=symmetry), ss.rotating(plate(SECTORS), AXIS)
     own, full = (each.static_displacement(SPEED).reshape(-1, 3) for each in (rotor, ring))

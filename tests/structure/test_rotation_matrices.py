@@ -40,6 +40,7 @@ def block(kind: str) -> tuple[Mesh, Any]:
     return mesh, assemble_bodies(mesh, [STEEL], element, fixed_nodes=fixed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_rotation_about_the_axis_changes_no_force(kind: str) -> None:
     # Rotated about the axis, the body has the same stress and the same centrifugal load, both rotated: the force of its
@@ -54,6 +55,7 @@ def test_a_rotation_about_the_axis_changes_no_force(kind: str) -> None:
     assert np.abs(force[structure.fixed_unknowns]).max() > 0.1 * np.abs(load).max()  # reactions, which do not rotate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_symmetries(kind: str) -> None:
     mesh, structure = block(kind)

@@ -35,6 +35,7 @@ def test_the_ring_is_the_plate() -> None:
     assert distance.max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("waves", [0, 1, -1, 2, -2, 3])
 def test_a_mode_of_the_reduced_sector_on_the_whole_disk(waves: int) -> None:
     """Its Rayleigh quotient on the full ring is the square of its frequency, and so is its residual along itself."""

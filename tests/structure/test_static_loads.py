@@ -118,6 +118,7 @@ def structure_of(mesh: Mesh, element: str) -> Structure:
 DISTORTION = {"C3D8I": 0.0, "C3D15": 0.0, "C3D6": 0.0}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize(("pressure", "gravity"), [(PRESSURE, (1e-9, 0.0, 0.0)), (1e-3, GRAVITY)])
 def test_displacements_and_reactions_are_those_of_calculix(

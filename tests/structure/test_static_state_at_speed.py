@@ -24,6 +24,7 @@ def rotor() -> Any:
     return ss.rotating_superelement(ss.rotating(rod, (0, 0, 1)), tip, 9000.0, n_modes=4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [1000.0, 5000.0, 9000.0])
 def test_a_rod_touches_a_wall_above_a_speed(rotor: Any, speed: float) -> None:
     # Free growth rho W^2 L^3 / (3 E); beyond the gap the rod and the contact are two springs in a row.

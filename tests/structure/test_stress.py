@@ -131,6 +131,7 @@ def test_wrong_input_is_rejected() -> None:
 NODES = {"C3D8": 5e-5, "C3D20": 2e-5, "C3D10": 1e-5, "C3D4": 1e-6, "C3D15": 2e-5}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", [element for element in ELEMENTS if element != "C3D8I"])
 def test_calculix_has_the_same_stress_from_the_same_displacements(element: str, tmp_path: Path) -> None:
     """On the two blades in cells of each kind, with a smooth displacement and noise on it."""

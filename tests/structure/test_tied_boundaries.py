@@ -76,6 +76,7 @@ def clamped(mesh: Any) -> Any:
     return ss.assemble_bodies(mesh, [STEEL], fixed_nodes=mesh.node_sets["inner"])
 
 
+@pytest.mark.slow
 def test_boundaries_that_match_give_the_same_as_without_ties() -> None:
     mesh = graded((3, 2, 1))
     symmetry = tied(mesh)
@@ -89,6 +90,7 @@ def test_boundaries_that_match_give_the_same_as_without_ties() -> None:
         np.testing.assert_allclose(one[diameter], other[diameter], rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_speed_has_the_same_effects_with_ties() -> None:
     mesh = graded((3, 2, 1))
     plain = ss.cyclic_symmetry(mesh.points, mesh.node_sets["left"], mesh.node_sets["right"])
@@ -149,6 +151,7 @@ def test_a_free_disk_has_its_rigid_motions() -> None:
         assert (np.abs(values) < 1e-9 * values[-1]).sum() == rigid
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh", [graded((2, 2, 2), 0.4), wedges(2, 3, 1)], ids=["graded", "2:3"])
 def test_frequencies_are_those_of_the_full_ring_with_the_same_ties(mesh: Any) -> None:
     """The ring by the ordinary path: each boundary tied by equations, which are eliminated."""

@@ -76,6 +76,7 @@ def test_the_motion_of_a_tied_blade_satisfies_its_ties() -> None:
     np.testing.assert_allclose(first[right], lagged, atol=1e-10 * np.abs(first).max())
 
 
+@pytest.mark.slow
 def test_a_rotating_tied_blade_is_that_of_the_ring() -> None:
     mesh = tied_blade(0.6, 3)
     symmetry = symmetry_of(mesh)

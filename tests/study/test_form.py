@@ -29,6 +29,7 @@ def with_gaps(joint: Joint, gap: FloatArray) -> Joint:
     return replace(joint, layout=replace(joint.layout, face_pairs=replace(joint.face_pairs, gap=gap)))
 
 
+@pytest.mark.slow
 def test_check_gives_the_law_without_waves_that_the_pairs_could_carry() -> None:
     case, joint = joint_of(dict(LONG))
     rows = {name: (value, note) for name, value, _, note in derived_quantities(case, joint)}
@@ -44,6 +45,7 @@ def test_check_gives_the_law_without_waves_that_the_pairs_could_carry() -> None:
     assert 1e9 * float(rows["Stiffness per unit area without these waves"][0]) == pytest.approx(stiffness, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [
@@ -59,6 +61,7 @@ def test_no_row_where_there_is_nothing_to_decide(changes: dict[str, object]) -> 
     assert list(form_warnings(case, with_gaps(joint, 1e-4 * np.cos(np.arange(joint.face_pairs.gap.size))))) == []
 
 
+@pytest.mark.slow
 def test_long_waves_that_decide_the_stiffness_are_reported_although_the_mesh_is_flat() -> None:
     """The criterion is the believable band: a factor of 3 of the stiffness."""
     case = TwoBladeCase().replace({"roughness.fractal_dimension": 2.1, "roughness.sample_length": "28 mm"})

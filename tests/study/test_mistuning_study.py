@@ -174,6 +174,7 @@ def test_a_highest_amplitude_at_an_end_is_seen() -> None:
     assert is_highest_at_end(inside[:2])
 
 
+@pytest.mark.slow
 def test_check_says_what_a_run_does() -> None:
     rows = dict(row for _, section in check(case(**RANDOM)) for row in section)
     assert rows["mistuning"].startswith("120 random patterns with a standard deviation of 1 %, seed 3")

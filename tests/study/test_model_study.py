@@ -133,6 +133,7 @@ def test_options_that_do_not_fit(deck: Path, options: list[str]) -> None:
     printed_sentence(outcome.output)
 
 
+@pytest.mark.slow
 def test_faces_of_a_mesh_that_touch_are_proposed_as_a_joint(tmp_path: Path) -> None:
     """A Gmsh file names faces, but no contact pairs."""
     (tmp_path / "mesh.msh").write_bytes((MODELS.parent / "two_blades" / "two_blades.msh").read_bytes())

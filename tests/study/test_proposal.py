@@ -32,6 +32,7 @@ def without_range(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_the_proposal_contains_both_linear_peaks_and_makes_pairs_slip() -> None:
     case = mesh_case()
     proposal = propose(case)
@@ -48,6 +49,7 @@ def test_the_proposal_contains_both_linear_peaks_and_makes_pairs_slip() -> None:
     assert case.replace(keys).solver.frequency_start == low
 
 
+@pytest.mark.slow
 def test_a_study_without_range_is_checked_and_written_but_not_run(without_range: Path) -> None:
     with rejects(StudyFileError, "solver.frequency_start"):
         load_case(without_range)

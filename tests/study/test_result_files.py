@@ -45,6 +45,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_pairs_at_the_peak_are_points_with_their_numbers(folder: Path) -> None:
     response, study = synthetic_response(), placed_study()
     path = export_contact(folder)
@@ -65,6 +66,7 @@ def test_the_pairs_at_the_peak_are_points_with_their_numbers(folder: Path) -> No
     np.testing.assert_allclose(shares, 1.0)
 
 
+@pytest.mark.slow
 def test_the_command_writes_another_frequency(folder: Path) -> None:
     response = synthetic_response()
     wanted = float(response.frequency_hz[3]) + 1e-4
@@ -80,6 +82,7 @@ def test_the_command_writes_another_frequency(folder: Path) -> None:
     assert CliRunner().invoke(app, ["export", str(folder), "--frequency", "450 Hz"]).exit_code == 2
 
 
+@pytest.mark.slow
 def test_pairs_without_positions_and_wrong_frequencies_are_rejected(folder: Path) -> None:
     response = synthetic_response()
     with rejects(InputError):
@@ -94,6 +97,7 @@ def test_pairs_without_positions_and_wrong_frequencies_are_rejected(folder: Path
         replace(synthetic_study(), pair_point=np.zeros((3, 3)))
 
 
+@pytest.mark.slow
 def test_the_file_contains_amplitude_and_positions(folder: Path) -> None:
     response, study = synthetic_response(), placed_study()
     with xarray.open_dataset(folder / "results.nc", engine="h5netcdf") as root:
@@ -192,6 +196,7 @@ def test_a_result_file_without_stress_is_rejected() -> None:
 PAGE = (Path(__file__).parents[2] / "docs" / "results_files.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_python_lines_of_the_page(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -209,6 +214,7 @@ def test_the_python_lines_of_the_page(
     assert separate > 0
 
 
+@pytest.mark.slow
 def test_the_page_names_the_variables_and_fields_of_the_files(folder: Path) -> None:
     plain = re.sub(r"```.*?```", "", PAGE, flags=re.DOTALL)
     named = set(re.findall(r"`([^`]+)`", plain))

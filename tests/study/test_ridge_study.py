@@ -108,6 +108,7 @@ def test_a_study_with_an_accuracy_has_a_performance_curve_with_the_harmonics_of_
     assert response.performance_curve.at(500.0 / 50.0).amplitude[0] == pytest.approx(highest, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_check_announces_the_ridges() -> None:
     case = quick_case().replace(RIDGE | {"analysis.performance_curve": True})
     shown = dict(dict(check(case))["Would run"])
@@ -134,6 +135,7 @@ def test_only_two_blades_under_a_centrifugal_force_have_a_performance_curve() ->
     assert not has_performance_curve(mesh_case())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "key"),
     [

@@ -110,6 +110,7 @@ def test_only_the_part_of_a_face_that_has_pairs_is_contact() -> None:
     assert sketch.load_places[0] == pytest.approx(sketch.response_places[0])  # one set
 
 
+@pytest.mark.slow
 def test_quadrature_marks_the_same_faces() -> None:
     nodes, points = (sketch_of(mesh_case(interfaces__sole__points=kind)) for kind in ("nodes", "quadrature"))
     of_block = nodes.body == 1

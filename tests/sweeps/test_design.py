@@ -164,6 +164,7 @@ def test_without_gradients_differences_find_the_optimum(case: Case, solver: Call
     printed_sentence(result.remarks[2], "central differences")
 
 
+@pytest.mark.slow
 def test_an_optimum_on_a_bound_is_reported(case: Case, solver: Callable[..., FakeSolver]) -> None:
     solver()
     result = ss.design(case, {LIMIT: ("2 N", "2.5 N")}, **FEW)
@@ -173,6 +174,7 @@ def test_an_optimum_on_a_bound_is_reported(case: Case, solver: Callable[..., Fak
     printed_sentence(result.remarks[0])
 
 
+@pytest.mark.slow
 def test_failed_designs_and_peaks_beyond_the_range_do_not_count(case: Case, solver: Callable[..., FakeSolver]) -> None:
     """Lower peaks below 3.3 N, without a result; frequencies from 22 Hz are at the end of the range."""
     solver(lambda limit: closed_form(limit) if limit > 3.3 else [])
@@ -250,6 +252,7 @@ def test_wrong_input_is_rejected_before_a_folder_is_made(case: Case, tmp_path: P
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_a_box_with_an_invalid_geometry_is_rejected() -> None:
     """The damper's flank reaches the base at one corner of the box; inside, most designs are valid."""
     over = {"geometry.damper_flank_height": ("2 mm", "34 mm"), "geometry.underside_height_at_shank": ("30 mm", "40 mm")}

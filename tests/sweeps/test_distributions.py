@@ -28,6 +28,7 @@ def samples(name: str, text: str) -> np.ndarray:
 CUT_VARIANCE = 1.0 - 6.0 * math.exp(-4.5) / math.sqrt(2.0 * math.pi) / math.erf(3.0 / math.sqrt(2.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "text", "mean", "deviation", "low", "high"),
     [

@@ -66,6 +66,7 @@ def test_what_was_stored_is_found(folder: SweepFolder, cases: tuple[PlannedCase,
     assert (rejected.converged, rejected.message, rejected.curve, notice) == (False, REJECTED.message, None, "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("outcome", "name"), [(SOLVED, "row.json"), (SOLVED, "results.nc"), (REJECTED, "failed.json")])
 def test_any_damage_is_named_and_never_taken(
     folder: SweepFolder, cases: tuple[PlannedCase, ...], outcome: CaseOutcome, name: str

@@ -68,6 +68,7 @@ def test_the_earlier_name_of_a_roughness_mode_plans_the_same_cases() -> None:
         planned({"roughness.mode": "paper,varying-curvature"})
 
 
+@pytest.mark.slow
 def test_the_key_follows_from_the_code_that_solves_not_from_what_shows(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -86,6 +86,7 @@ def test_an_executor_that_is_broken_fails_its_cases(tmp_path: Path) -> None:
     assert broken == ["0 gone", "1 gone"]
 
 
+@pytest.mark.slow
 def test_answers_that_cannot_travel_and_processes_that_are_ended(tmp_path: Path) -> None:
     pool = LocalProcesses(1)
     with pytest.raises(RuntimeError) as caught:
@@ -115,6 +116,7 @@ def test_a_worker_that_dies_while_it_sends_its_answer_is_noticed() -> None:
         pool.shutdown(wait=False)
 
 
+@pytest.mark.slow
 def test_a_script_without_main_guard_is_reported(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(

@@ -52,6 +52,7 @@ def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pyt
     printed_sentence(invoke(file, "--vary", rough, "--out", out, "--workers", 1, "--quiet").stderr)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "key"),
     [
@@ -83,6 +84,7 @@ def test_a_sweep_none_of_whose_cases_can_be_solved_is_wrong_input(tmp_path: Path
     printed_sentence(result.stderr, "damper_length")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("missing", ["interfaces.sole.second", "interfaces.lid.first"])
 def test_a_set_that_the_mesh_lacks_ends_the_sweep_before_the_first_case(tmp_path: Path, missing: str) -> None:
     file = tmp_path / "study.toml"

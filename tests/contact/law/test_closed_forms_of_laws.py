@@ -59,6 +59,7 @@ def test_cubic_spring_has_the_coefficient_of_duffing() -> None:
         assert first_harmonic(law, 2, amplitude) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_curve_of_a_duffing_oscillator() -> None:
     """Amplitude over frequency from the cubic of one harmonic, folds included (Nayfeh and Mook, sec. 4.1)."""
     response = curve(CubicSpring(1e5, 1e15), 0, 1.0, (105.0, 230.0))
@@ -190,6 +191,7 @@ def test_iwan_equals_a_thousand_jenkins_elements_on_any_path() -> None:
         assert actual.dissipated_energy[0] == pytest.approx(elements.dissipated_energy.sum(), rel=3e-3)
 
 
+@pytest.mark.slow
 def test_the_curve_of_an_iwan_joint_dissipates_as_its_closed_form() -> None:
     law = IwanJoint(2e5, 5.0, -0.5, 0.1)
     response = curve(law, 0, 3.0, (105.0, 130.0))

@@ -61,6 +61,7 @@ def slope(errors: ArrayLike) -> float:
     return float(-np.polyfit(np.log(COUNTS), np.log(errors), 1)[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOOPS)
 def test_closed_loops_and_their_convergence(name: str) -> None:
     """Second order in energy and signal; the coefficients follow the scatter of kinks between samples, about 1.7-2."""
@@ -137,6 +138,7 @@ def tractrix_step(force: FloatArray, move: FloatArray, first: float, last: float
     return np.array([t1, t2, energy])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", STEPS)
 def test_one_tractrix_step_against_small_radial_steps(name: str) -> None:
     force, move, first, last = STEPS[name]

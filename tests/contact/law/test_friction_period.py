@@ -97,6 +97,7 @@ def loop_coefficients(name: str, samples: int, phase: float) -> tuple[FloatArray
     return first, second
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOOPS)
 def test_coefficients_of_closed_loops_are_of_second_order(name: str) -> None:
     exact = LOOPS[name][0].coefficients
@@ -113,6 +114,7 @@ def test_coefficients_of_closed_loops_are_of_second_order(name: str) -> None:
 REVERSALS = {"jenkins": [0.5], "in phase": [0.5], "quadrature": [0.15, 0.85], "separation": [0.5]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOOPS)
 def test_no_corner_where_an_onset_or_a_gap_passes_a_sample(name: str) -> None:
     """While the samples move past the events, a plain sum has a corner at each. With their instants only reversals have
@@ -189,6 +191,7 @@ def test_no_corner_where_lift_off_or_the_slip_before_it_passes_a_sample() -> Non
     assert jump(onset) < 1e-7  # 2.6e-3, 2.2e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_harmonic_force_tends_to_the_integral_of_the_force(seed: int) -> None:
     x, pairs = random_case(seed, 200)

@@ -104,6 +104,7 @@ def test_constant_tangential_shift_changes_nothing(seed: int, update: Update, of
     np.testing.assert_array_equal(first.state, second.state)
 
 
+@pytest.mark.slow
 @quick
 @given(seed=seeds, update=updates, length=st.floats(-8.0, 2.0), force=st.floats(-3.0, 6.0))
 def test_units(seed: int, update: Update, length: float, force: float) -> None:

@@ -145,6 +145,7 @@ def changed(pairs: ContactPairs, name: str, factor: float) -> ContactPairs:
     return make_pairs(pairs.n_pairs, **values | {name: factor * values[name]})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("update", UPDATES)
 @pytest.mark.parametrize(("springs", "along"), [(1.0, 0.0), (1.0, 1.0), (0.4, 1.0)])
 def test_tangent_of_pairs_that_stick_until_they_lift_off(springs: float, along: float, update: Update) -> None:
@@ -182,6 +183,7 @@ def test_tangent_of_pairs_that_stick_until_they_lift_off(springs: float, along: 
         checked(work, by_constant)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [3, 4])
 def test_tangent_with_residual_traction(seed: int) -> None:
     """The mean tangential displacement counts where the start is remembered: stuck and shaken-down pairs."""

@@ -258,6 +258,7 @@ def path(samples: int = 300) -> np.ndarray:
     return np.moveaxis(motion() @ waves, 2, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_steps_along_a_period_end_in_the_periodic_state_of_the_cycle(name: str) -> None:
     """To round-off, Iwan too: its steps and its cycle are two programs of one continuous distribution.
@@ -278,6 +279,7 @@ def test_steps_along_a_period_end_in_the_periodic_state_of_the_cycle(name: str) 
     assert whole == pytest.approx(law.cycle(displacement).force, abs=allowed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_the_derivative_of_a_step_is_that_of_its_force(name: str) -> None:
     law, rng = ALL[name], np.random.default_rng(3)
@@ -362,6 +364,7 @@ def test_a_hysteretic_law_that_cannot_keep_its_traction_reports_it() -> None:
         ss.HystereticLaw.keeping(law, law.memory_at_rest())  # type: ignore[type-var]
 
 
+@pytest.mark.slow
 def test_loaded_laws_come_back_from_their_file(tmp_path: Path) -> None:
     pairs = ss.ContactPairs.with_laws(np.eye(36), list(LOADED.values()))
     structure = ss.Superelement(0.5 * np.eye(36), 4e6 * np.eye(36))

@@ -291,6 +291,7 @@ def test_a_pin_needs_a_tangent_that_no_normal_is_along() -> None:
         pair_surfaces(pin_in_bore((36, 1), (24, 1)), "top", "bottom", tangent=(1.0, 0.0, 0.0))
 
 
+@pytest.mark.slow
 def test_warnings_about_the_choice_of_the_first_face() -> None:
     coarse = pair_surfaces(stacked((4, 4, 1), (2, 2, 1)), "bottom", "top")
     printed_sentence("\n".join(coarse.warnings))

@@ -49,6 +49,7 @@ def test_quadrature_passes_to_round_off(lower: str, upper: str) -> None:
     np.testing.assert_allclose(pressure, 1.0, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "largest"), [("hexahedron", 1.5e-2), ("tetra", 2e-2)])
 def test_quadrature_of_distorted_quadrilaterals_is_close(kind: str, largest: float) -> None:
     options = {"distortion": 0.2}

@@ -26,6 +26,7 @@ def _with_whole_bodies(mesh: Mesh) -> Mesh:
     return replace(mesh, node_sets={**mesh.node_sets, **whole})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("points", ["nodes", "quadrature"])
 def test_all_sides_of_a_solid_pair_like_its_touching_side(points: Points) -> None:
     mesh = _with_whole_bodies(stacked(offset=(0.25, 0.0, 0.0)))

@@ -50,6 +50,7 @@ def test_stiff_springs_at_integration_points_are_near_the_tie(mesh: Mesh, tied: 
     assert (stuck > tied[0]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("points", ["nodes", "quadrature"])
 def test_the_reduced_structure_has_the_same_stuck_modes(mesh: Mesh, points: Literal["nodes", "quadrature"]) -> None:
     structure, pairs = held(mesh), pair_surfaces(mesh, "bottom", "top", points=points).pairs

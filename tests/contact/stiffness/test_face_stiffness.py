@@ -19,6 +19,7 @@ WAVES = {"sample_length": 0.028, "shortest_length": 1e-6}
 LOAD = 288.7  # N
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", get_args(RoughnessLaw))
 def test_each_law_gives_a_face_its_stiffness(law: RoughnessLaw) -> None:
     face = rough(2.4, 1e-10, **WAVES)

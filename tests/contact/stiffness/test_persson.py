@@ -121,6 +121,7 @@ def test_contact_becomes_complete() -> None:
     printed_sentence(message)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.floats(2.1, 2.9), st.floats(10, 1e4), st.sampled_from([None, 1e9, 3e9]), st.floats(1e-7, 2e-5))
 def test_stiffness_rises_with_the_load(dimension: float, band: float, hardness: float | None, height: float) -> None:
@@ -229,6 +230,7 @@ def test_powers_of_pressure_and_roughness_against_those_measured_on_titanium() -
     assert np.percentile(of_height, [50, 25, 75]) == pytest.approx([-0.94, -1.03, -0.88], abs=0.005)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mean_height", "order", "found"), [(1.6e-6, 8.8e12, (0.68, 0.94)), (5.8e-6, 3.5e12, (0.55, 0.89))]
 )

@@ -116,6 +116,7 @@ def test_the_load_and_the_g_of_the_message_have_elastic_spots(dimension: float, 
     assert published_contact(replace(face, fractal_roughness=(1.0 + off) * finer), load).normal == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1e-10, 1e-8, 1e-6])
 @pytest.mark.parametrize("hardness", [1e8, 3e9, 1e10])
 @pytest.mark.parametrize("psi", [1.0, 2.5])

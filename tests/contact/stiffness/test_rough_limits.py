@@ -62,6 +62,7 @@ def test_dimension_next_to_three_has_a_status() -> None:
     printed_sentence(actual.messages[-1], "within 0.05")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [50.0, 500.0, 5000.0])
 @pytest.mark.parametrize("hardness", [1e9, 3e9, 1e10])
 def test_interference_over_radius_falls_with_g_and_is_least_in_the_middle_of_d(load: float, hardness: float) -> None:

@@ -107,6 +107,7 @@ class SpotBySpot:
         return 0.5 * (low + high)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("dimension", "scale", "smallest", "largest", "psi"),
     [
@@ -145,6 +146,7 @@ def test_closed_forms_equal_quadrature(
     assert part == pytest.approx(0.5 * spots.load, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dimension", [2.3, 2.4, 2.49, 2.5, 2.7])
 def test_stiffness_equals_quadrature_over_single_spots(dimension: float) -> None:
     face = rough(dimension)

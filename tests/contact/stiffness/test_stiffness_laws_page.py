@@ -20,6 +20,7 @@ def test_the_example_prints_what_it_promises(capsys: pytest.CaptureFixture[str])
     assert capsys.readouterr().out.splitlines() == promised
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["`persson`", "p / (0.45 Sq)", "`fractal`, `consistent`"])
 def test_the_table_is_that_of_the_stored_boundary_elements(law: str) -> None:
     laws = benchmark_module("laws_against_boundary_elements")

@@ -26,6 +26,7 @@ def face(law: type[SummitStiffness], band: float = 100.0) -> SummitStiffness:
     return law(HeightSpectrum.self_affine(1e-6, 2.3, 1e-3, 1e-3 / band), E_STAR, 0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_stiffness_is_the_derivative_of_the_load(law: type[SummitStiffness]) -> None:
     separation, step = np.array([-0.5e-6, 1e-6, 3e-6]), 1e-11
@@ -33,6 +34,7 @@ def test_stiffness_is_the_derivative_of_the_load(law: type[SummitStiffness]) -> 
     assert (closer - farther) / (2 * step) == pytest.approx(face(law).at_separation(separation)[1], rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_stiffness_over_pressure_is_that_of_the_separation(law: type[SummitStiffness]) -> None:
     pressure, stiffness = face(law).at_separation(np.array([0.3e-6, 2.1e-6]))

@@ -167,6 +167,7 @@ def test_tabulated_root_mean_square_slopes(dimension: float, slopes: tuple[float
         assert sdq(dimension, scale, 0.028, 1e-6) == pytest.approx(expected, rel=0.03)
 
 
+@pytest.mark.slow
 @quick
 @given(st.floats(2.05, 2.95), st.floats(1e-12, 1e-7), st.floats(1.1, 3.0), st.floats(1e-7, 1e-3))
 def test_statistics_are_sums_over_the_waves(dimension: float, scale: float, ratio: float, shortest: float) -> None:

@@ -42,6 +42,7 @@ def damaged_versions(content: bytes, seed: int) -> Iterator[bytes]:
         yield random.bytes(300)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", WRITERS)
 def test_a_truncated_file_is_rejected_or_complete(
     tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], good: tuple[Path, None, Path], kind: str
@@ -63,6 +64,7 @@ def test_a_truncated_file_is_rejected_or_complete(
     assert rejected >= CUTS - 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", WRITERS)
 def test_a_shuffled_or_binary_file_is_rejected_by_a_sentence(
     tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], good: tuple[Path, None, Path], kind: str
@@ -82,6 +84,7 @@ def test_a_shuffled_or_binary_file_is_rejected_by_a_sentence(
             assert np.isfinite(model.stiffness.data).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MAPS)
 def test_damaged_maps(
     tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], good: tuple[Path, None, Path], name: str

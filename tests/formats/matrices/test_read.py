@@ -26,6 +26,7 @@ def written(tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], ki
     return paths
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", WRITERS)
 def test_every_kind_of_file_gives_the_same_model(
     tmp_path: Path, small: tuple[np.ndarray, np.ndarray, np.ndarray], kind: str

@@ -72,6 +72,7 @@ def test_a_small_model_is_taken_as_it_is(small: tuple[np.ndarray, np.ndarray, np
     np.testing.assert_array_equal(actual.positions, points[position[::3] // 3])
 
 
+@pytest.mark.slow
 def test_strainless_motions_are_the_same_for_dense_and_sparse(make_block: Callable[..., Mesh]) -> None:
     free = assemble(make_block((8, 4, 4), (2.0, 1.0, 1.0)), Material()).stiffness
     assert free.shape[0] > 600

@@ -68,6 +68,7 @@ def within(corners: list[int], middles: Middles) -> np.ndarray:
     return np.array([*corners, *(node for ends, node in middles.items() if set(ends) <= set(corners))])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quadratic", [False, True], ids=["linear", "quadratic"])
 @pytest.mark.parametrize(
     ("shape", "collapse"), [("hexahedron", True), ("wedge", True), ("tetra", True), ("tetra", False)]

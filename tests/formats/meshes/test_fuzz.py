@@ -97,6 +97,7 @@ def damaged(content: bytes, seed: int) -> bytes:
     return bytes(changed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_the_sound_file_is_read(name: str) -> None:
     model = read_model(MODELS / name, "mm")

@@ -121,6 +121,7 @@ def test_abaqus_errors(tmp_path: Path, cards: str) -> None:
         read_model(tmp_path / "cubes.inp", "mm")
 
 
+@pytest.mark.slow
 def test_mass_points_of_a_study(tmp_path: Path) -> None:
     """The study's matrices, its centrifugal load m r w^2 and its inertia under a motion of the support."""
     deck = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")

@@ -39,6 +39,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_frequencies_are_those_of_calculix(tmp_path: Path, kind: str) -> None:
     """Ten frequencies to the seven digits that CalculiX prints."""
@@ -47,6 +48,7 @@ def test_frequencies_are_those_of_calculix(tmp_path: Path, kind: str) -> None:
     np.testing.assert_allclose(frequencies_of(path), frequencies_of_calculix(path), rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cards", "count"), [(TIE, 0), (KINDS["rigid body"].partition("*BOUNDARY")[0], 0)])
 def test_a_free_body_has_six_frequencies_of_zero(tmp_path: Path, cards: str, count: int) -> None:
     path = tmp_path / "deck.inp"
@@ -143,6 +145,7 @@ EQUAL = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", EQUAL)
 def test_nastran_entries_are_the_cards_of_abaqus(tmp_path: Path, kind: str) -> None:
     nastran, abaqus = EQUAL[kind]

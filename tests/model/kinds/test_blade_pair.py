@@ -141,6 +141,7 @@ def test_parts_that_do_not_fit_are_named(change: dict[str, Any], keys: tuple[str
         BladePairGeometry(**change)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [

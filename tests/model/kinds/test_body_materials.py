@@ -38,6 +38,7 @@ def materials(case: Case) -> tuple[Material, ...]:
     return setup.materials
 
 
+@pytest.mark.slow
 def test_axes_of_an_orthotropic_body() -> None:
     beam, block = materials(case_with(**CRYSTAL, axis_1=[1, 1, 0], axis_2=[0, 3, 0], fatigue_limit="90 MPa"))
     assert beam.elastic is None
@@ -58,6 +59,7 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRONG)
 def test_what_is_rejected(name: str) -> None:
     body, keys = WRONG[name]
@@ -65,6 +67,7 @@ def test_what_is_rejected(name: str) -> None:
         materials(case_with(**body))
 
 
+@pytest.mark.slow
 def test_half_of_an_isotropic_material_over_an_anisotropic_one(tmp_path: Path) -> None:
     """The file's block is orthotropic; its density may change alone, its modulus not."""
     text = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")

@@ -42,6 +42,7 @@ def study(**changes: Any) -> TwoBladeCase:
     return TwoBladeCase().replace({**SMALL, **changes})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [FLAT, ROUND, {**ROUND, "mesh.element": "serendipity"}])
 def test_mass_and_loads(changes: dict[str, Any]) -> None:
     case = study(**changes)
@@ -157,6 +158,7 @@ def test_a_contact_that_is_too_wide_is_rejected_by_check() -> None:
     printed_sentence(str(found.value))
 
 
+@pytest.mark.slow
 def test_check_says_what_lock_up_and_rolling_are() -> None:
     rows = dict(dict(check(study(**ROUND)))["Derived quantities"])
     assert rows["Friction coefficient of lock-up"].startswith("1.732")

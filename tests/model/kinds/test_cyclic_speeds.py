@@ -81,6 +81,7 @@ def test_cases_at_several_speeds_share_their_reduction() -> None:
     assert hashes(1000.0)[1] != hashes(3000.0)[1]
 
 
+@pytest.mark.slow
 def test_bad_input() -> None:
     with rejects(StudyFileError, "rotation.top_speed"):
         disk(rotation={"speed": "3000 rpm", "top_speed": "2000 rpm"})

@@ -198,6 +198,7 @@ def test_the_page_of_a_disk(tmp_path: Path) -> None:
     assert summary(solution.response, solution.model.outputs["tip"]).peak.amplitude < 1e-3
 
 
+@pytest.mark.slow
 def test_check_of_a_disk() -> None:
     rows = {label: value for _, section in check(changed()) for label, value in section}
     assert rows["disk"] == "20 sectors about (0, 0, 1) through (0, 0, 0) mm"
@@ -290,6 +291,7 @@ BAD_FILES: list[tuple[str, dict[str, Any]]] = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("key", "structure"), BAD_FILES)
 def test_a_sector_that_is_none(tmp_path: Path, key: str, structure: dict[str, Any]) -> None:
     case = Case.from_mapping(file_data(tmp_path, **structure))

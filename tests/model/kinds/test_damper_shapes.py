@@ -28,6 +28,7 @@ SHAPES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", SHAPES)
 @pytest.mark.parametrize("counts", [BladePairElements(), BladePairElements(damper_columns=3, damper_flank_rows=1)])
 def test_the_mesh_has_the_volume_of_the_shape(geometry: BladePairGeometry, counts: BladePairElements) -> None:

@@ -35,6 +35,7 @@ def built(case: Case) -> Model:
     return build_model(case, setup.assemble(), load_joint(case, setup.layout))
 
 
+@pytest.mark.slow
 def test_the_normal_load_of_a_face_is_the_pressure_and_the_weight_above_it() -> None:
     model = built(loaded_case(pressures=PRESSED, gravity=WEIGHT))
     expected = 0.5e6 * AREA + 5e4 * BLOCK
@@ -65,6 +66,7 @@ def test_the_full_mesh_is_in_balance_in_its_stress_at_rest() -> None:
     assert residual[touched & block][2::3].sum() == pytest.approx(-model.joint.preload.sum(), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_check_shows_the_resultants() -> None:
     rows = dict(dict(check(loaded_case(pressures=PRESSED, gravity=WEIGHT)))["Derived quantities"])
     assert rows["Static force, pressures.lid"] == "0, 0, -80 N"
@@ -89,6 +91,7 @@ def test_a_study_file_contains_its_loads() -> None:
     assert again.to_dict() == case.to_dict()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pressures", "keys"),
     [

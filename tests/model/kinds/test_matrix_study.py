@@ -76,6 +76,7 @@ def test_a_reference_is_compared_with_the_reduced_model(folder: Path, tmp_path: 
     assert "Reference: modal test." in text
 
 
+@pytest.mark.slow
 def test_mesh_and_matrices_agree(folder: Path) -> None:
     """The lid of the mesh study and that of its own reduced matrices: places, directions, operator rows."""
     mesh, matrices = mesh_case(), changed(folder)
@@ -93,6 +94,7 @@ def test_mesh_and_matrices_agree(folder: Path) -> None:
     assert model.joint.preload.sum() == pytest.approx(40.0)
 
 
+@pytest.mark.slow
 def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Path, tmp_path: Path) -> None:
     actual = read_superelement(folder)
     for name in ("stiffness", "mass"):

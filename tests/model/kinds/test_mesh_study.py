@@ -82,6 +82,7 @@ def test_mode_table_compares_full_and_reduced(solved: tuple[Path, str]) -> None:
     assert all(float(row["mac"]) > 0.99 for row in record.mode_table[:4])
 
 
+@pytest.mark.slow
 def test_check_shows_bodies_sets_pairs_and_frequencies() -> None:
     sections = dict(check(mesh_case()))
     sizes = dict(sections["Sizes"])
@@ -92,6 +93,7 @@ def test_check_shows_bodies_sets_pairs_and_frequencies() -> None:
     assert dict(sections["Derived quantities"])["Area of the pairs, sole"] == "160 mm²"
 
 
+@pytest.mark.slow
 def test_forces_loads_and_outputs_of_sets() -> None:
     """Resultants: a force on a set sums up to its amplitude, rotation to mass times distance of the centre."""
     data = mesh_case().to_dict()
@@ -168,12 +170,14 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("changes", "expected"), WRONG.values(), ids=WRONG.keys())
 def test_what_does_not_fit_is_named(changes: dict[str, object], expected: tuple[Any, ...]) -> None:
     with rejects(*expected):
         set_up(mesh_case().replace(changes))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("entry", ["forces.push.set", "responses.top.set", "structure.fixed", "interfaces.joint.first"])
 def test_the_name_of_a_body_is_rejected_as_such(entry: str) -> None:
     """Bodies of a Nastran deck are properties, whose names ``stickslip import`` shows, but they are no sets."""
@@ -285,6 +289,7 @@ def test_the_layout_has_the_numbers_of_the_mesh_file(tmp_path: Path) -> None:
     assert set_up(Case()).layout.file_numbers is None
 
 
+@pytest.mark.slow
 def test_a_deck_with_parts_gives_the_same_study(tmp_path: Path) -> None:
     flat = mesh_case()
     case = load_case(dotted_study(tmp_path)).replace(QUICK)
@@ -315,6 +320,7 @@ def test_a_sweep_varies_a_body_whose_name_has_a_dot(tmp_path: Path) -> None:
     assert result.table.rows[0].name.startswith("Block.1.density-8000kgm3_Beam-1.sole.normal_load-30N_")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [

@@ -45,6 +45,7 @@ def study(folder: Path, cards: str = COUPLED, **changes: Any) -> Case:
     return Case.from_mapping(data | changes)
 
 
+@pytest.mark.slow
 def test_a_force_on_a_reference_node_moves_the_contact_as_the_full_model_does(tmp_path: Path) -> None:
     """Exact for any reduction: static displacements of contact nodes under the force, and the work of the force."""
     case = study(tmp_path)
@@ -66,6 +67,7 @@ def test_a_force_on_a_reference_node_moves_the_contact_as_the_full_model_does(tm
     assert group.mean_place(structure.mesh.points).tolist() == [0.03, 0.005, 0.07]
 
 
+@pytest.mark.slow
 def test_a_tie_in_the_study_is_that_of_the_file(tmp_path: Path) -> None:
     of_study = set_up(study(tmp_path))
     in_file = set_up(study(tmp_path, f"*TIE, NAME=t\nsupper, slower\n{COUPLED}", ties={}))
@@ -83,6 +85,7 @@ def test_a_tie_in_the_study_is_that_of_the_file(tmp_path: Path) -> None:
     assert dict(of_study.sizes())["dependent displacements"] == f"{3 * count}"
 
 
+@pytest.mark.slow
 def test_a_node_that_follows_is_a_place_too(tmp_path: Path) -> None:
     mesh = two_blocks()
     node = int(mesh.node_sets["upper"][1])
@@ -95,6 +98,7 @@ def test_a_node_that_follows_is_a_place_too(tmp_path: Path) -> None:
     np.testing.assert_allclose(group.mean_of(motion), motion[node], atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "keys"),
     [

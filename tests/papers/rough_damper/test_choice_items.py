@@ -87,6 +87,7 @@ def test_claims_that_compare_loads_and_forces_follow_the_change(changed: dict[st
     assert {answer.numbers.split(" N:")[0] for answer in judged.answers} == {"25"}
 
 
+@pytest.mark.slow
 def test_what_cannot_depend_on_a_choice_reports_it_with_the_reason(changed: dict[str, ChangedVerdict]) -> None:
     surfaces, reduction, stiffness = (changed[claim.statement] for claim in MODEL_CLAIMS)
     affected = [

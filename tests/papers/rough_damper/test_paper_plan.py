@@ -67,6 +67,7 @@ LABELLED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice.name)
 def test_a_changed_choice_changes_that_key_alone(plan: tuple[Computation, ...], choice: Choice) -> None:
     base = base_case(Scope()).to_dict()

@@ -64,6 +64,7 @@ def test_a_pair_that_touches_down_and_sticks_does_not_slip() -> None:
     assert phase_states(motion, force, slider, np.array([0.5]))[:, 0].tolist() == [0, 1, 2, 2, 2, 0, 0, 0]
 
 
+@pytest.mark.slow
 def test_any_damage_is_noticed() -> None:
     for _, content in damaged(curve().to_bytes("key"), 600):
         with rejects(ResultsFileError):

@@ -66,6 +66,7 @@ def test_a_tuned_disk_has_the_factor_one() -> None:
     assert found.tuned_peak == pytest.approx(direct_peak(np.zeros(SECTORS), 3), rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine_order", [1, 3, 11])
 def test_factors_are_those_of_the_whole_ring(engine_order: int) -> None:
     patterns = 0.01 * np.random.default_rng(2).standard_normal((4, SECTORS))
@@ -82,6 +83,7 @@ def test_a_pattern_that_turns_with_the_disk_turns_the_sector() -> None:
     np.testing.assert_array_equal((found.sector - found.sector[0]) % SECTORS, [0, 1, 2])
 
 
+@pytest.mark.slow
 def test_no_pattern_passes_the_limit_of_whitehead() -> None:
     patterns = 0.002 * np.random.default_rng(1).standard_normal((300, SECTORS))
     found = factors(patterns)

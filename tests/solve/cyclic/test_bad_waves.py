@@ -133,6 +133,7 @@ def test_a_structure_of_another_type() -> None:
         solve(DISK.mass)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_analyses_that_are_not_valid_for_a_sector() -> None:
     sector: Any = DISK.sector
     pairs = ContactPairs.with_laws(DISK.operator[:, :9], DISK.pairs.laws, DISK.pairs.members)
@@ -153,6 +154,7 @@ def test_analyses_that_are_not_valid_for_a_sector() -> None:
         peak_gradients(sector, DISK.pairs, WAVE, response, np.ones(18))
 
 
+@pytest.mark.slow
 def test_a_stored_response_of_a_sector(tmp_path: Path) -> None:
     response = forced_response(DISK.sector, DISK.pairs, WAVE, frequency_hz=(100.0, 99.9), harmonics=2)
     response.save(tmp_path / "results.nc")

@@ -101,6 +101,7 @@ def test_rows_of_a_sector_and_of_the_next_one() -> None:
     assert not row[1:-1].any()
 
 
+@pytest.mark.slow
 def test_the_ring_with_friction_and_separation_moves_as_the_sector() -> None:
     ring = full_ring(DISK.sector)
     wave = Excitation.travelling_wave(1, DISK.force_cos, DISK.force_sin)
@@ -158,6 +159,7 @@ def frequencies(ring: FullRing, count: int) -> np.ndarray:
     return natural_frequencies(ring.superelement.stiffness, ring.superelement.mass, count)[0]
 
 
+@pytest.mark.slow
 def test_the_tuned_ring_has_the_frequencies_of_the_sector() -> None:
     structure, symmetry, sector, _ = reduced()
     of_sector = sector_frequencies(structure, symmetry, range(4), 4)
@@ -179,6 +181,7 @@ def mesh_of_unequal_blades(factors: np.ndarray) -> np.ndarray:
     return natural_frequencies(whole.stiffness, whole.mass, 18)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [0.01, 0.05])
 def test_blades_that_differ_against_a_mesh_of_such_blades(size: float) -> None:
     """The part of a blade that the motion of its root deforms keeps its modulus, which is the error that remains."""

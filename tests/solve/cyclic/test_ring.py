@@ -55,6 +55,7 @@ def of_all(coefficients: Any, balances: Any) -> Any:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("direction", ["forward", "backward"])
 @pytest.mark.parametrize(
     ("sectors", "engine_order", "state"),
@@ -99,6 +100,7 @@ def test_modal_damping_of_a_sector_is_that_of_the_ring() -> None:
     np.testing.assert_allclose(motion, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [None, 0.01])
 @pytest.mark.parametrize("direction", ["forward", "backward"])
 def test_coriolis_forces_of_a_sector_are_those_of_the_ring(direction: Any, ratio: Any) -> None:
@@ -141,6 +143,7 @@ def curve() -> Any:
     )
 
 
+@pytest.mark.slow
 def test_each_point_of_a_curve_balances_the_ring(curve: Any) -> None:
     disk = SmallDisk.of(6)
     omega = 2.0 * np.pi * curve.frequency_hz
@@ -200,6 +203,7 @@ def test_a_force_on_the_next_sector_is_one_on_this_sector_earlier() -> None:
     np.testing.assert_allclose(found.terms[0][1], expected.terms[0][1], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_harmonics_by_accuracy() -> None:
     disk = SmallDisk.of(6)
     weak = Excitation.travelling_wave(1, 0.3 * disk.force_cos, 0.3 * disk.force_sin)
@@ -227,6 +231,7 @@ def test_a_time_integration_of_the_ring_ends_in_the_motion_of_the_sector() -> No
     assert np.abs(in_time.displacement - signal).max() < 3e-3 * np.abs(signal).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine_order", [1, 2])
 def test_landmarks_are_those_of_the_ring(engine_order: int) -> None:
     disk, omega = SmallDisk.of(6), 2.0 * np.pi * 84.0

@@ -8,6 +8,7 @@ import pytest
 from stickslip.solve.harmonic.operator_products import SPARSE, times, with_springs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fraction", [0.5 * SPARSE, 0.5])
 def test_products_agree_with_those_of_the_whole_operator(fraction: float) -> None:
     rng = np.random.default_rng(0)

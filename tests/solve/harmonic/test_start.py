@@ -28,6 +28,7 @@ def balance_with(blade: Blade, harmonics: int) -> Balance:
     return Balance(compliance, blade.pairs, ExcitationForce(((0, force),)), 128)
 
 
+@pytest.mark.slow
 def test_ramp_and_few_harmonics_reach_the_direct_solution(blade: Blade) -> None:
     curve = FrequencyCurve(balance_with(blade, 3))
     newton = Newton(curve, NewtonSettings(1e-10, 40))
@@ -41,6 +42,7 @@ def test_ramp_and_few_harmonics_reach_the_direct_solution(blade: Blade) -> None:
         assert np.abs(other.unknowns - direct.unknowns).max() < 1e-7 * np.abs(direct.unknowns).max()
 
 
+@pytest.mark.slow
 def test_falls_back_to_the_ramp(blade: Blade) -> None:
     """Twelve iterations do not suffice from the linear response near resonance, but they do along the ramp."""
     curve = FrequencyCurve(balance_with(blade, 3))

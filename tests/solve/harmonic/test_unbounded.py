@@ -60,6 +60,7 @@ def test_a_force_that_friction_holds_is_solved(share: float) -> None:
     assert not any(f"{HOLDS:.4g} N" in each for each in response.warnings)
 
 
+@pytest.mark.slow
 def test_a_range_without_the_mode_is_solved() -> None:
     response = solve(1.5 * HOLDS, window=(1.2 * HERTZ, 2.0 * HERTZ))
     assert response.converged, response.message
@@ -123,12 +124,14 @@ def test_the_height_in_a_warning_is_that_of_the_peak(ratio: float, monkeypatch: 
     assert response.amplitude(ROW).max() == pytest.approx(height, rel=0.01)
 
 
+@pytest.mark.slow
 @ends_early
 def test_almost_no_damping_has_a_warning() -> None:
     response = solve(2.0 * HOLDS, ratio=1e-9, continuation=FEW_POINTS)
     printed_sentence("\n".join(response.warnings), "1.0e-09")
 
 
+@pytest.mark.slow
 @ends_early
 def test_a_normal_load_that_can_vary_makes_it_a_warning() -> None:
     """Friction also drives the second mass, which presses the pair."""
@@ -142,6 +145,7 @@ def test_a_normal_load_that_nothing_can_change_makes_it_an_error() -> None:
         solve(1.5 * HOLDS, operator=[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
 
 
+@pytest.mark.slow
 def test_a_structure_far_stiffer_than_the_range_has_a_curve() -> None:
     """No mode is near the range: the displacement is that of the static force less the friction of a sliding pair."""
     stiffness, force = 1e6, 5.0 * MU * LOAD
@@ -177,6 +181,7 @@ def test_no_warning_with_usual_damping() -> None:
     assert not any(f"{HOLDS:.4g} N" in each for each in response.warnings)
 
 
+@pytest.mark.slow
 def test_a_motion_that_presses_nothing_but_for_round_off_slides() -> None:
     """A free mass with friction beside a ring of springs whose pair has its normal on the ring."""
     stiffness = np.zeros((7, 7))

@@ -47,6 +47,7 @@ def at_amplitude(result: NonlinearMode, amplitude: np.ndarray, values: np.ndarra
     return np.asarray(CubicSpline(np.log(result.modal_amplitude[rising]), values[rising])(np.log(amplitude)))
 
 
+@pytest.mark.slow
 def test_an_amplitude_at_which_a_spring_no_longer_resists_is_rejected() -> None:
     """``k + 3 k3 x^2 = 0`` at 1 mm; the mass of 4 kg moves by half of the modal amplitude."""
     structure = ss.Superelement(np.array([[4.0]]), np.array([[1e5]]))
@@ -58,6 +59,7 @@ def test_an_amplitude_at_which_a_spring_no_longer_resists_is_rejected() -> None:
     assert below.frequency_hz[-1] < below.frequency_hz[0]
 
 
+@pytest.mark.slow
 def test_one_mass_with_a_slider_is_its_closed_form() -> None:
     """With one harmonic the balance is that of the first harmonic of the friction force."""
     superelement, pairs = one_mass(ratio=0.002)
@@ -78,6 +80,7 @@ def test_one_mass_with_a_slider_is_its_closed_form() -> None:
     assert 0 < result.moving_pairs.sum() < result.n_points
 
 
+@pytest.mark.slow
 def test_the_limit_of_small_amplitude_is_the_linear_stuck_mode(blade: Blade) -> None:
     size = blade.superelement.size
     stuck = blade.superelement.stiffness + blade.operator.T @ (
@@ -96,6 +99,7 @@ def test_the_limit_of_small_amplitude_is_the_linear_stuck_mode(blade: Blade) -> 
         assert result.displacement.shape == (result.n_points, size, 3)
 
 
+@pytest.mark.slow
 def test_the_energy_of_a_cycle_gives_the_same_damping() -> None:
     superelement, pairs, _ = friction_beam()
     result = ss.nonlinear_mode(superelement, pairs, 1, (10**-5.5, 10**-3.1), harmonics=7)
@@ -133,6 +137,7 @@ def test_a_mode_about_any_rest_balances_its_energies(blade: Blade, rest: str) ->
     assert energy_ratio(result, superelement.mass) == pytest.approx(result.damping_ratio, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_virtual_beam_starts_at_its_published_frequency() -> None:
     superelement, pairs, _ = friction_beam()
     result = ss.nonlinear_mode(superelement, pairs, 1, (10**-5.5, 10**-3.1), harmonics=7)
@@ -194,6 +199,7 @@ def test_the_branch_from_the_sliding_limit_is_the_same_curve() -> None:
     assert at_amplitude(down, inside, down.frequency_hz) == pytest.approx(up.frequency_hz[1:-1], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_mode_that_exchanges_its_shape_has_a_warning() -> None:
     """A mass on a spring that stiffens passes the frequency of its neighbour, and the first mode becomes that of the
     neighbour."""
@@ -214,6 +220,7 @@ def test_a_mode_that_exchanges_its_shape_has_a_warning() -> None:
     assert result.step_mac.min() > 0.9
 
 
+@pytest.mark.slow
 def test_high_damping_has_a_warning() -> None:
     superelement, pairs = one_mass(ratio=0.002)
     result = ss.nonlinear_mode(superelement, pairs, 1, (1e-6, 1e-3), harmonics=1)
@@ -263,6 +270,7 @@ def test_harmonics_and_accuracy_together_are_rejected() -> None:
         ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=5, accuracy=0.01)
 
 
+@pytest.mark.slow
 def test_too_few_harmonics_have_a_warning() -> None:
     """Rigid friction excites many harmonics: the warning tells that one is not enough, and is silent with 15."""
     few = ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=1, samples=256)

@@ -30,6 +30,7 @@ def resonance(largest_step: float, preload: float = 1e6) -> ForcedResponse:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("largest_step", [0.05, 0.15, 0.5, 1.0])
 def test_long_steps_pass_over_the_peak_of_a_linear_resonance(largest_step: float) -> None:
     curve = resonance(largest_step)

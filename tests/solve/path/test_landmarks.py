@@ -60,6 +60,7 @@ def highest(branch: Branch[PlanePoint]) -> float:
     return max(point.x - 1.0 - point.y / 3.0 for point in points if abs(point.y - PLACE) < 0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("height", [2.0, 1.0, 0.5])
 def test_a_narrow_peak_is_resolved_where_a_landmark_is_near(height: float, backwards: bool) -> None:

@@ -31,6 +31,7 @@ def comb(height: float, pitch: float) -> PlaneCurve:
     )
 
 
+@pytest.mark.slow
 def test_a_branch_that_hardly_advances_ends_with_a_sentence() -> None:
     """Without a limit it follows every tooth for as many points as allowed."""
     curve, count = comb(height=3e-5, pitch=1e-5), [0]

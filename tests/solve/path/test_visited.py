@@ -119,6 +119,7 @@ def test_a_lemniscate_is_crossed_at_its_node() -> None:
     assert max(abs(point.value) for point in points) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slope", [-8.0, -0.5, 0.2, 3.0, 30.0])
 def test_corners_are_passed(slope: float) -> None:
     branch, _ = branch_of(corner(slope), corner(slope).at(0.0, 0.0), 1.0)

@@ -76,6 +76,7 @@ def test_the_highest_peak_switches_where_two_linear_peaks_are_equal() -> None:
     assert top.ridge[0] != top.ridge[1]
 
 
+@pytest.mark.slow
 def test_the_slope_is_that_of_differences_along_the_curve() -> None:
     """Ten pairs that slip: the tangent solves the bordered system, the slope follows from it without differences."""
     stage = stage_of(blade_problem(1.0, 1.0), Blade().tip, Blade().window_hz, harmonics=3, samples=512)
@@ -125,6 +126,7 @@ def test_a_ridge_over_the_normal_load_agrees_with_dense_sweeps() -> None:
     assert own <= 0.1 * 40 * usual.n_points
 
 
+@pytest.mark.slow
 def test_a_peak_that_leaves_the_frequency_range_ends_its_ridge() -> None:
     def problem_at(factor: float) -> Problem:
         structure, pairs, excitation = two_resonances((1.0, 0.0))
@@ -141,6 +143,7 @@ def test_a_peak_that_leaves_the_frequency_range_ends_its_ridge() -> None:
     printed_sentence(ridge.message)
 
 
+@pytest.mark.slow
 def test_where_the_highest_peak_left_the_range_the_next_one_is_no_optimum() -> None:
     """A high resonance leaves the range of frequencies below a stiffness; a low one stays in it."""
 
@@ -215,6 +218,7 @@ def test_the_lag_of_a_search_is_that_of_the_motion() -> None:
     assert abs(turned - 0.4) > 0.1 * turned
 
 
+@pytest.mark.slow
 def test_a_search_above_the_highest_amplitude_stops() -> None:
     stage = stage_of(two_resonances((1.0, 0.0)), np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16)
     peak = peak_of(stage)

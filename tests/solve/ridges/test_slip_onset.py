@@ -36,6 +36,7 @@ def test_peaks_and_first_slip_of_one_mass_are_closed_forms() -> None:
     assert onset.trouble == ""
 
 
+@pytest.mark.slow
 def test_the_nonlinear_response_begins_to_slip_at_that_force() -> None:
     structure, pairs, excitation = problem()
     onset = slip_onset(structure, pairs, excitation, ROW, modal_damping_ratio=RATIO)

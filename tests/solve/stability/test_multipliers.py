@@ -52,6 +52,7 @@ def steps_of_one_pair(sticks: bool, samples: int = 128) -> LinearSteps:
     return LinearSteps(keep, by_end, -by_end, np.full((samples, 1), SPRINGS[2] * sticks))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.02 * STIFFNESS, UNEVEN_DAMPING])
 def test_a_structure_that_sticks_has_the_multipliers_of_its_modes(damping: np.ndarray) -> None:
     structure = ss.Superelement(MASS, STIFFNESS, damping)
@@ -127,6 +128,7 @@ def duffing() -> ss.ForcedResponse:
     return ss.forced_response(structure, pairs, np.array([0.25]), frequency_hz=window, harmonics=5, samples=64)
 
 
+@pytest.mark.slow
 def test_duffing_is_unstable_exactly_between_its_folds(duffing: ss.ForcedResponse) -> None:
     change = np.diff(duffing.frequency_hz)
     upper, lower = (int(point) + 1 for point in np.flatnonzero(change[1:] * change[:-1] < 0.0))
@@ -199,6 +201,7 @@ def test_impacts_double_the_period_around_twice_the_bilinear_frequency() -> None
     assert (response.multipliers[~response.stable][:, 0].real < -1.0).all()
 
 
+@pytest.mark.slow
 def test_a_body_on_friction_alone_has_no_multiplier_of_its_drift() -> None:
     operator = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
     omega = 2.0 * np.pi * 100.0

@@ -61,6 +61,7 @@ def test_forces_open_area_and_peak_pressure(
         assert (np.abs(own.closed_area - actual.closed_area) < row).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_each_face_takes_the_force_of_the_wedge(blades: PressedBlades, friction: float) -> None:
     """F_N / (2 (cos theta + mu sin theta)), although the blades bend, pressure varies and pairs open."""

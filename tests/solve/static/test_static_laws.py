@@ -35,6 +35,7 @@ def test_a_cubic_spring_finds_its_root(bend: float) -> None:
     printed_sentence(state.message, "cubic 1 elastic", numbers=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bend", [4e15, -1e15])
 def test_small_vibration_about_a_loaded_cubic_spring_has_the_frequency_of_its_slope(bend: float) -> None:
     pairs = joint(cubic(2e5, bend))

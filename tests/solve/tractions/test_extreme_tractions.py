@@ -141,6 +141,7 @@ def peaks_over_tractions(count: int, samples: int) -> tuple[PeakOverTractions, T
     return tops, start
 
 
+@pytest.mark.slow
 def test_the_gradient_is_that_of_peaks_solved_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Central differences over 0.02 % of the limit, with the peak inside a smooth piece of the sampled force: 1e-5."""
     monkeypatch.setattr(extreme_tractions, "LAST_RISE", 1e-14)  # the peak itself, so that its place does not matter

@@ -189,6 +189,7 @@ def test_a_band_survives_its_file(tmp_path: Path) -> None:
     assert "NOT" not in words
 
 
+@pytest.mark.slow
 def test_a_band_whose_curves_end_early_says_so() -> None:
     with pytest.warns(ss.NotConvergedWarning):
         response = oscillator(traction_band=[1.0], continuation=ss.ContinuationSettings(max_points=6))

@@ -100,6 +100,7 @@ def test_the_error_falls_with_the_square_of_the_step() -> None:
     assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.slow
 def test_the_steps_of_the_law_equal_the_compiled_march_of_coulomb_pairs() -> None:
     """Two programs of Coulomb's law: a joint beside a spring without stiffness is not compiled."""
     friction = coulomb([1e6, 8e5], [2e5, 3e5], [0.3, 0.4], [6.0, 4.0], [0.0, 0.0])

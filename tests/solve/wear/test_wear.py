@@ -38,6 +38,7 @@ def worn_punch(cycles: float, gaps: FloatArray = GAPS, **options: Any) -> ss.Wea
     return ss.wear(*punch(gaps), [1.0, 0.0], cycles=cycles, frequency_hz=20.0, **(FIXED | options))
 
 
+@pytest.mark.slow
 def test_the_loads_of_a_flat_punch_approach_each_other_as_the_closed_form() -> None:
     worn = worn_punch(1.5 / RATE, accuracy=1e-4)
     before = worn.normal_load[0]
@@ -51,6 +52,7 @@ def test_the_loads_of_a_flat_punch_approach_each_other_as_the_closed_form() -> N
     assert worn.converged
 
 
+@pytest.mark.slow
 def test_the_example_of_the_theory_runs() -> None:
     text = (Path(__file__).parents[3] / "docs" / "theory_wear.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
@@ -63,6 +65,7 @@ def test_volume_is_the_coefficient_times_the_friction_energy() -> None:
     assert worn.volume[-1] > 0.0
 
 
+@pytest.mark.slow
 def test_a_finer_accuracy_gives_smaller_errors_of_the_depth() -> None:
     finest = worn_punch(1.5 / RATE, accuracy=1e-5).depth[-1]
     errors = [
@@ -74,6 +77,7 @@ def test_a_finer_accuracy_gives_smaller_errors_of_the_depth() -> None:
     assert errors[2] < 0.5 * errors[0]
 
 
+@pytest.mark.slow
 def test_small_wear_does_not_depend_on_the_jump() -> None:
     # Within a thousandth of the closure the rate is that of the joint without wear.
     first = worn_punch(1e-3 / RATE)
@@ -83,6 +87,7 @@ def test_small_wear_does_not_depend_on_the_jump() -> None:
         assert worn.depth[-1] == pytest.approx(rate * worn.cycles[-1], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_pair_with_a_gap_closes_when_the_others_are_worn() -> None:
     gaps = np.append(np.zeros(3), 20e-6)
     worn = worn_punch(12.0 / RATE, gaps, accuracy=1e-3)
@@ -204,6 +209,7 @@ def test_stiffness_that_rises_with_wear_moves_no_load() -> None:
     assert after.coulomb.tangential_stiffness == pytest.approx(4e9)
 
 
+@pytest.mark.slow
 def test_stiffness_proportional_to_the_load_agrees_with_the_law() -> None:
     structure, pairs, _ = punch(GAPS)
     depth = np.linspace(2e-6, 0.0, COUNT)
@@ -215,6 +221,7 @@ def test_stiffness_proportional_to_the_load_agrees_with_the_law() -> None:
     assert after.preload.sum() == pytest.approx(LOAD, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_wear_ends_with_a_reason_where_no_motion_is_found() -> None:
     structure, pairs, excitation = block()
     # The frequency range begins just below the peak, which wear moves down.
