@@ -254,6 +254,7 @@ def test_guide_to_designs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
         assert option in options
 
 
+@pytest.mark.slow
 def test_guide_to_matrices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     guide = (ROOT / "docs" / "matrices.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)

@@ -68,6 +68,7 @@ def test_engine_order(capsys: pytest.CaptureFixture[str]) -> None:
     assert names["force"].coefficients(100.0) == pytest.approx(np.array(expected), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_shallow_truss(capsys: pytest.CaptureFixture[str]) -> None:
     loads = run("A new analysis")["loads"]
     message, snap = capsys.readouterr().out.splitlines()

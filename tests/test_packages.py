@@ -60,6 +60,7 @@ def test_no_package_is_pinned_twice(tools: ModuleType) -> None:
     assert len([line for line in lines if not line.startswith("#")]) == len(tools.pins())
 
 
+@pytest.mark.slow
 @HELD_HERE
 def test_the_file_with_hashes_contains_the_same_versions(tools: ModuleType) -> None:
     lines = (ROOT / "requirements-hashed.txt").read_text(encoding="utf-8").splitlines()
@@ -80,6 +81,7 @@ def test_the_licences_are_those_of_the_packages(tools: ModuleType) -> None:
     assert (ROOT / "docs" / "licences.md").read_text(encoding="utf-8") == page, "run: python tools/make_licences.py"
 
 
+@pytest.mark.slow
 def test_no_package_of_the_default_set_is_under_the_gpl(tools: ModuleType) -> None:
     for name, package in tools.installed(tools.requirements()).items():
         words = tools.licence(package)

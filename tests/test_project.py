@@ -94,6 +94,7 @@ def test_every_room_has_quick_tests() -> None:
         assert quick >= 5, f"{folder.name}: {quick} quick tests"
 
 
+@pytest.mark.slow
 def test_the_architecture_names_every_room_and_no_file_that_is_gone() -> None:
     page = text("ARCHITECTURE.md")
     source = ROOT / "src" / "stickslip"
@@ -105,6 +106,7 @@ def test_the_architecture_names_every_room_and_no_file_that_is_gone() -> None:
         assert (ROOT / path).is_file(), path
 
 
+@pytest.mark.slow
 def test_documents_name_files_that_there_are() -> None:
     there = [
         f"/{path.relative_to(ROOT).as_posix()}"

@@ -33,6 +33,7 @@ def test_a_problem_is_the_same_each_time_and_another_one_for_another_seed() -> N
     assert first.window_hz != other.window_hz
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", problems.KINDS)
 def test_a_problem_has_consistent_sizes_and_a_resonance_in_its_range(kind: str) -> None:
     problem = problems.make(kind, 0)
@@ -80,6 +81,7 @@ def test_the_wedge_presses_outward_and_to_both_sides() -> None:
     assert (normals[half:, 1] > 0.0).all()
 
 
+@pytest.mark.slow
 def test_other_classes_have_two_free_wedges_a_moving_base_and_wide_constants() -> None:
     row, shaken = problems.make("row", 100), problems.make("shaken", 100)
     omega = natural_omega(row)
@@ -94,6 +96,7 @@ def test_other_classes_have_two_free_wedges_a_moving_base_and_wide_constants() -
     assert problems.make("orders", 100).force_cos.shape[1] == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_classes_have_what_their_names_promise(seed: int) -> None:
     assert problems.make("gaps", seed).preload.min() < 0.0

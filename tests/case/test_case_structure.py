@@ -184,6 +184,7 @@ def test_names_that_files_and_keys_cannot_take_are_rejected(section: str, name: 
     printed_sentence(line)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["block-beam", "Gelenk links", "face 1.2 (top)", "_a", "N1"])
 def test_usual_names_pass(name: str) -> None:
     case = mesh_case().to_dict()

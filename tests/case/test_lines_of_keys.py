@@ -168,6 +168,7 @@ def test_a_matrix_file_names_the_key_of_its_own(tmp_path: Path) -> None:
     assert rejected("check", path).startswith(f"{path}, line 4 (structure.mass): ")
 
 
+@pytest.mark.slow
 def test_what_a_run_finds_out_late(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     coarse = "airfoil_rows = 1\nshank_rows = 1\nplatform_rows = 1\nshank_columns = 1\ninner_columns = 1"

@@ -149,6 +149,7 @@ def test_run_with_a_ridge_changes_the_analysis(study: Study, study_file: Path, t
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", ["preload.centrifugal_force", "friction.coefficient=0.2", "=1:2", "a.b=1:"])
 def test_a_ridge_of_another_form_is_rejected(study: Study, study_file: Path, tmp_path: Path, option: str) -> None:
     result = invoke("run", study_file, "--out", tmp_path / "out", "--ridge", option)
@@ -176,6 +177,7 @@ def test_no_first_point_is_exit_3(study: Study, study_file: Path, tmp_path: Path
     assert result.stderr.rstrip().endswith(str(study.error))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_input_error_from_the_computation(study: Study, study_file: Path, tmp_path: Path, command: str) -> None:
     study.error = RoughnessError("The contact is fully plastic, its stiffness zero. Raise the load.")
@@ -196,6 +198,7 @@ def test_fault_writes_its_traceback_into_the_folder(study: Study, study_file: Pa
     assert "ZeroDivisionError: division by zero" in log.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_fault_without_folder_points_to_debug(study: Study, study_file: Path) -> None:
     study.error = ZeroDivisionError("division by zero")
     result = invoke("check", study_file)
@@ -205,6 +208,7 @@ def test_fault_without_folder_points_to_debug(study: Study, study_file: Path) ->
     assert "Traceback" in invoke("check", study_file, "--debug").stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("error", "code"),
     [(OSError(28, "No space left on device"), 1), (MemoryError(), 2), (KeyboardInterrupt(), 130)],

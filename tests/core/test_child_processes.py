@@ -29,6 +29,7 @@ def test_another_python_finds_the_package_and_nothing_of_the_current_folder(
     assert not (tmp_path / "ran").exists()
 
 
+@pytest.mark.slow
 def test_workers_of_a_sweep_run_nothing_of_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     strangers(tmp_path)
     monkeypatch.chdir(tmp_path)

@@ -45,6 +45,7 @@ def killed_writer(folder: Path, how: str) -> subprocess.Popen[str]:
     return process
 
 
+@pytest.mark.slow
 @needs_locks
 @pytest.mark.parametrize("how", ["whole_file", "work_folder"])
 def test_what_a_killed_writer_left_goes_and_what_a_living_one_has_stays(tmp_path: Path, how: str) -> None:

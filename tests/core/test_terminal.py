@@ -43,6 +43,7 @@ def hostile_deck(folder: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["check", "import"])
 def test_names_of_sets_cannot_act_on_the_terminal(command: str, tmp_path: Path) -> None:
     deck = hostile_deck(tmp_path)

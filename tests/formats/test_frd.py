@@ -52,6 +52,7 @@ def test_a_file_is_read_back_by_its_columns(tmp_path: Path, make_block: MakeBloc
         np.testing.assert_allclose(each.values, values, rtol=5.1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_the_lines_are_those_of_calculix(tmp_path: Path, make_block: MakeBlock, element: str) -> None:
     """The same mesh and the values that CalculiX printed: every line from the nodes on is equal."""

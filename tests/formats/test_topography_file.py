@@ -90,6 +90,7 @@ def test_missing_points_are_filled_from_their_edges(tmp_path: Path, monkeypatch:
         read_topography(write_x3p(Path("face.x3p"), given, (1e-6, 1e-6)))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("package")
 def test_files_that_cannot_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -67,6 +67,7 @@ def test_base_motion_drives_with_the_mass_that_it_carries(kind: str) -> None:
     assert not force[2].any()
 
 
+@pytest.mark.slow
 def test_base_motion_needs_constrained_nodes(tmp_path: Path) -> None:
     deck = tmp_path / "free.inp"
     text = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")

@@ -141,6 +141,7 @@ def test_a_stiffness_that_an_interface_leaves_out_is_that_of_all_faces(tmp_path:
     assert pairs.resting_stiffness().tolist() == [1e4, 1e4, 1e6]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["jenkins", "iwan"])
 def test_a_released_joint_has_no_states_at_rest_and_keeps_its_normal_force(name: str, tmp_path: Path) -> None:
     """All pairs of laws with friction were called slipping, also where nothing can slip."""

@@ -92,6 +92,7 @@ def test_one_state_in_report_shapes_and_curve(tmp_path: Path, preload: dict[str,
     assert words["Normal stiffness, lid"] == "all pairs of the face, as if the 24 open ones were closed"
 
 
+@pytest.mark.slow
 def test_closing_the_open_pairs_would_be_seen() -> None:
     """The springs of the lid are no trifle here: with them the frequencies are others by a fifth and more."""
     actual = built(block_case(PRESCRIBED))

@@ -301,6 +301,7 @@ def test_cases_of_a_sweep_share_a_structure_at_one_speed_only(tmp_path: Path) ->
     assert shared[0][0] != shared[1][0]
 
 
+@pytest.mark.slow
 def test_the_speed_is_a_parameter_of_the_structure(tmp_path: Path) -> None:
     """A gradient by the speed contains the change of the stiffness, W^2 K_w."""
     case = beam_case(tmp_path, speed="6000 rpm")

@@ -52,6 +52,7 @@ def test_a_law_outside_of_the_band_is_reported_with_its_ratio() -> None:
     printed_sentence(sentences[0])
 
 
+@pytest.mark.slow
 def test_the_laws_are_beside_each_other_in_the_quantities() -> None:
     case, joint = joint_of({**SMOOTH, "roughness.law": "persson"})
     found = {name: value for name, value, _, _ in derived_quantities(case, joint)}
@@ -88,6 +89,7 @@ def test_keys_of_another_law_are_rejected(key: str, value: object, law: str) -> 
         casting_case().replace({"roughness.law": law, f"roughness.{key}": value})
 
 
+@pytest.mark.slow
 def test_sq_in_place_of_g() -> None:
     case = TwoBladeCase.from_text('[roughness]\nsq = "1.2 um"\nlaw = "persson"\n')
     again = TwoBladeCase.from_text(case.to_text())
@@ -123,6 +125,7 @@ def test_measured_sq_and_sdq_are_those_of_the_surface() -> None:
     assert (patch.sq, patch.sdq) == pytest.approx((1.2e-6, 0.07), rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [{"roughness.sdq": 1e-4}, {"roughness.sdq": 5.0}, {"roughness.sdq": 0.5, "roughness.sq": "0.5 um"}],

@@ -61,6 +61,7 @@ def test_springs_are_those_of_python(allocation: str, by_file: bool, table_file:
     assert joint.stiffness_warnings == ()
 
 
+@pytest.mark.slow
 def test_one_table_for_all_faces() -> None:
     section = {"stiffness_law": "measured", "stiffness_constants": TABLE}
     data = mesh_case(interfaces__lid__normal_stiffness="1 N/m").to_dict() | {"contact_stiffness": section}
@@ -94,6 +95,7 @@ def solved_model(folder: Path, allocation: str, normal_law: str, table: str = "p
     return ss.build_model(ss.load_case(write_study(folder, joint, loads)))
 
 
+@pytest.mark.slow
 def test_a_list_of_passwords_is_not_shown(tmp_path: Path) -> None:
     """The name of the file may be that of another file; the first entry of its first line was in the message."""
     file = tmp_path / "passwd"
@@ -105,6 +107,7 @@ def test_a_list_of_passwords_is_not_shown(tmp_path: Path) -> None:
     assert "secret" not in str(error.value)
 
 
+@pytest.mark.slow
 def test_a_stiffness_that_no_joint_has_is_rejected_by_its_law() -> None:
     case = measured_case(TABLE | {"normal_stiffness": [1e38, 2e38, 3e38]})
     with rejects(InputError, "interfaces.sole", "interfaces.sole.normal_load"):

@@ -40,6 +40,7 @@ def test_without_wear_the_springs_are_those_of_the_study() -> None:
     assert tangential == pytest.approx(faces.joint.tangential_stiffness, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["persson", "greenwood-williamson"])
 def test_a_face_runs_in_with_its_mean_depth(law: str) -> None:
     faces, load = worn_faces((0.5e-6, 2e-6), law=law)
@@ -54,6 +55,7 @@ def test_a_face_runs_in_with_its_mean_depth(law: str) -> None:
     assert normal[pairs.face == 0].sum() > 1.5 * normal[pairs.face == 1].sum()
 
 
+@pytest.mark.slow
 def test_the_slope_of_a_face_that_runs_in_falls_with_its_height() -> None:
     """Sdq is proportional to Sq where the waves remain, so the smooth face has the same waves."""
     faces, load = worn_faces((0.5e-6, 2e-6), sdq=0.1)

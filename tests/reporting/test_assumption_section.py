@@ -107,6 +107,7 @@ def test_a_joint_with_some_pairs_of_that_law_gives_their_number() -> None:
     assert f"in {n_pairs - 1} of {n_pairs} pairs" in here
 
 
+@pytest.mark.slow
 def test_what_this_run_computed_comes_first_and_the_page_has_all_rows() -> None:
     view = View.of(response(), STUDY)
     rows = assumptions(view)
@@ -118,6 +119,7 @@ def test_what_this_run_computed_comes_first_and_the_page_has_all_rows() -> None:
     assert section.count('<th scope="row">') == len(rows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("choice", ["Pressure at rest", "Mean traction of stuck pairs", "Wear", "Small displacements"])
 def test_the_choices_that_a_tribologist_asks_about_are_there(choice: str) -> None:
     assert choice in rows_of(response())

@@ -43,6 +43,7 @@ def test_unknown_stability_is_never_called_stable() -> None:
     assert "with friction, stability not known" in {str(line.get_label()) for line in axes.lines}
 
 
+@pytest.mark.slow
 def test_stable_parts_are_solid_and_unstable_parts_dashed(view: View) -> None:
     figure = amplitude_frequency(view)
     plotly.graph_objects.Figure(figure)  # raises for an unknown key or value

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from stickslip.reporting.gradient_section import change_rows, derivative_rows, labels, tornado
 from stickslip.reporting.page import page
@@ -43,6 +44,7 @@ def section(response: ForcedResponse) -> str:
     return text[text.index("<h2>Which input matters most</h2>") :].partition("</section>")[0]
 
 
+@pytest.mark.slow
 def test_the_page_shows_the_strongest_inputs_first() -> None:
     response = with_gradients(0.2)
     words = section(response)
@@ -70,6 +72,7 @@ def test_the_bars_go_to_both_sides() -> None:
     assert more["marker"]["pattern"]["shape"] != less["marker"]["pattern"]["shape"]
 
 
+@pytest.mark.slow
 def test_bars_beyond_the_first_order_are_truncated_and_named() -> None:
     response = with_gradients(2.7)
     more, _ = tornado(View.of(response, STUDY))["data"]
@@ -84,5 +87,6 @@ def test_labels_of_inputs() -> None:
     assert labels(["bodies.a.density", "interfaces.a.density"]) == ["bodies.a.density", "interfaces.a.density"]
 
 
+@pytest.mark.slow
 def test_a_page_without_gradients_has_no_such_section() -> None:
     assert "Which input matters most" not in page(synthetic_response(columns=4, rows=3, n_points=20), STUDY)

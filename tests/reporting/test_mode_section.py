@@ -63,6 +63,7 @@ def test_the_page_says_where_peaks_are_on_the_mode() -> None:
     assert "below 3 % everywhere" not in section(with_mode(0.05))
 
 
+@pytest.mark.slow
 def test_modal_amplitudes_have_powers_of_ten_and_a_root() -> None:
     response = with_mode(0.05)
     assert response.nonlinear_mode is not None
@@ -72,6 +73,7 @@ def test_modal_amplitudes_have_powers_of_ten_and_a_root() -> None:
     assert "kg^0.5" not in words
 
 
+@pytest.mark.slow
 def test_without_a_mode_the_page_has_no_such_section() -> None:
     assert "<h2>Nonlinear mode</h2>" not in page(replace(with_mode(0.02), nonlinear_mode=None), STUDY)
 

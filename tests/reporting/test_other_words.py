@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.figures import amplitude_frequency as figure_of
@@ -40,6 +41,7 @@ def section(response: ForcedResponse) -> str:
     return text[text.index("<h2>Other solutions</h2>") :].partition("</section>")[0]
 
 
+@pytest.mark.slow
 def test_the_page_says_what_a_search_found() -> None:
     response = with_search(1)
     top = 1.5e6 * response.amplitude(STUDY.outputs[STUDY.response_output]).max()
@@ -52,6 +54,7 @@ def test_the_page_says_what_a_search_found() -> None:
     assert "1 random states led to no periodic motion" in words
 
 
+@pytest.mark.slow
 def test_the_page_says_how_many_verdicts_of_other_solutions_are_doubtful() -> None:
     response = with_search(1)
     found = response.other_solutions
@@ -61,6 +64,7 @@ def test_the_page_says_how_many_verdicts_of_other_solutions_are_doubtful() -> No
     assert f"(with stable parts, stability doubtful at 3 of {response.n_points} points)" in words
 
 
+@pytest.mark.slow
 def test_the_table_of_other_solutions_has_a_column_of_doubtful_verdicts() -> None:
     response = with_search(1)
     found = response.other_solutions
@@ -76,10 +80,12 @@ def test_the_table_of_other_solutions_has_a_column_of_doubtful_verdicts() -> Non
     assert "doubtful stability" not in headings(found)
 
 
+@pytest.mark.slow
 def test_the_page_says_that_a_search_without_result_proves_nothing() -> None:
     assert "found no periodic motion off the curve, which proves nothing" in section(with_search(0))
 
 
+@pytest.mark.slow
 def test_without_a_search_the_page_has_no_such_section() -> None:
     assert "<h2>Other solutions</h2>" not in page(replace(with_search(1), other_solutions=None), STUDY)
 

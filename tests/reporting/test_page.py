@@ -74,6 +74,7 @@ def test_page_says_what_the_reader_must_know(text: str) -> None:
     assert 'class="notice' not in text
 
 
+@pytest.mark.slow
 def test_an_accuracy_is_on_the_page_with_the_error_of_the_peak(
     case: tuple[ForcedResponse, StudyRecord], text: str
 ) -> None:
@@ -113,6 +114,7 @@ def test_failure_and_warnings_are_prominent(case: tuple[ForcedResponse, StudyRec
     )
 
 
+@pytest.mark.slow
 def test_peak_at_the_end_of_the_range_is_a_warning(case: tuple[ForcedResponse, StudyRecord]) -> None:
     response, study = case
     half = 12
@@ -196,6 +198,7 @@ def held_numbers(view: View) -> int:
     )
 
 
+@pytest.mark.slow
 def test_maps_and_loops_are_thinned_to_the_room_and_keep_the_peak(
     case: tuple[ForcedResponse, StudyRecord], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -327,6 +330,7 @@ def test_page_from_a_file_that_is_older_than_sketches_and_rough_faces(
     assert page(old.response, old.study) == page(case[0], dataclasses.replace(case[1], rough_patch=None))
 
 
+@pytest.mark.slow
 def test_page_to_a_folder_that_is_not_there(case: tuple[ForcedResponse, StudyRecord], tmp_path: Path) -> None:
     with rejects(InputError):
         write_page(tmp_path / "none" / "report.html", *case)
@@ -341,6 +345,7 @@ def test_study_without_faces_groups_or_modes(case: tuple[ForcedResponse, StudyRe
     assert "Natural frequencies, contact" not in text
 
 
+@pytest.mark.slow
 def test_a_mode_that_only_the_reference_has_is_shown_without_deviation(
     case: tuple[ForcedResponse, StudyRecord],
 ) -> None:

@@ -105,6 +105,7 @@ def test_a_coarser_picture_reports_it() -> None:
     assert "too many" not in section(stacked_boxes())
 
 
+@pytest.mark.slow
 def test_more_bodies_than_the_legend_shows() -> None:
     cubes = [CUBE + np.array([0.2 * i, 0.0, 0.0]) for i in range(15)]
     text = section(sketch_of_boxes(*cubes))

@@ -76,6 +76,7 @@ def test_small_contact_has_a_second_view_with_what_lies_in_it() -> None:
     assert len(structure_figure(synthetic_study(), sketch_of_boxes(CUBE)).axes) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("panel", [0, 1])
 def test_all_axes_have_one_scale(panel: int) -> None:
     axes = structure_figure(synthetic_study(), stacked_boxes()).axes[panel]
@@ -92,6 +93,7 @@ def test_the_still_picture_is_at_rest_and_the_same_every_time() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_dollar_in_a_name_is_no_mathematics() -> None:
     figure = structure_figure(synthetic_study(), sketch_of_boxes(CUBE, response_names=("$x^{2$",)))
     assert "$x^{2$" in words(figure)

@@ -52,6 +52,7 @@ def test_every_curve_is_drawn_whole() -> None:
     assert len({trace["line"]["color"] for trace in traces}) == 4
 
 
+@pytest.mark.slow
 def test_a_huge_sweep_is_thinned_and_reports_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plots, "DRAWN_POINTS", 300)
     view = sweep_view((LOADS,), BOWL, points=2001)
@@ -98,6 +99,7 @@ def test_peaks_against_a_key_leave_failed_cases_out_and_mark_open_ends() -> None
     assert (by_mode["x"], by_mode["y"]) == (["single", "same"], pytest.approx([100.0, 200.0]))
 
 
+@pytest.mark.slow
 def test_each_key_has_one_style_on_the_whole_page() -> None:
     peaks = [1e-4 * (1 + place) for place in range(16)]
     view = sweep_view((LOADS, MODE, FORCE), peaks, limits={"stuck": [2e-4 + each for each in peaks]})
@@ -143,6 +145,7 @@ def test_only_pages_that_exist_have_links(tmp_path: Path) -> None:
     assert "stickslip report" in text
 
 
+@pytest.mark.slow
 def test_damper_performance_marks_optimum_and_limits() -> None:
     view = sweep_view((LOADS,), BOWL)
     figures, text = figures_of(view), page_of(view)
@@ -205,6 +208,7 @@ def test_performance_of_several_forces_is_per_force() -> None:
     assert dict(zip(second["x"], second["y"], strict=True)) == {0.5: 6.0, 1.0: 2.0}
 
 
+@pytest.mark.slow
 def test_maps_of_two_keys_show_every_cell() -> None:
     view = sweep_view((LOADS, MODE), [1e-4, 2e-4, None, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(7,))
     figure = figures_of(view)["map-0"]["data"][0]
@@ -216,6 +220,7 @@ def test_maps_of_two_keys_show_every_cell() -> None:
     assert "map-0" not in figures_of(sweep_view((LOADS,), BOWL))
 
 
+@pytest.mark.slow
 def test_failed_cases_and_warnings_are_listed_safely() -> None:
     text = page_of(sweep_view((LOADS,), [1e-4, None, 2e-4, 3e-4], at_end=(3,)))
     assert "1 case failed" in text

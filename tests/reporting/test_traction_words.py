@@ -42,6 +42,7 @@ def section(response: ForcedResponse) -> str:
     return text[text.index("<h2>Residual tractions</h2>") :].partition("</section>")[0]
 
 
+@pytest.mark.slow
 def test_the_page_gives_the_range_of_the_peak() -> None:
     response = with_band()
     peak = summary(response, STUDY.outputs[STUDY.response_output]).peak.amplitude
@@ -54,6 +55,7 @@ def test_the_page_gives_the_range_of_the_peak() -> None:
     assert "end early" not in words
 
 
+@pytest.mark.slow
 def test_the_page_of_a_disk_advises_no_band() -> None:
     disk = Disk(6, 1, "forward", np.arange(4), np.ones((4, 2)), np.ones((4, 2)))
     text = page(synthetic_response(columns=4, rows=3, n_points=20), replace(STUDY, disk=disk))

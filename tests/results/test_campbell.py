@@ -60,6 +60,7 @@ def test_engine_orders_of_the_excitation_are_the_only_ones() -> None:
     assert [note["text"] for note in figure["layout"]["annotations"]] == ["4"]
 
 
+@pytest.mark.slow
 def test_the_page_has_the_diagram_with_its_crossings() -> None:
     results = [turning("slow", "3000 rpm", 1.0), turning("fast", "9000 rpm", 1.01)]
     text = compare_page(results)

@@ -38,6 +38,7 @@ def test_a_response_stores_its_mode(mode: NonlinearMode, tmp_path: Path) -> None
     assert both != response
 
 
+@pytest.mark.slow
 def test_the_dataset_has_units(mode: NonlinearMode) -> None:
     dataset = mode.to_dataset()
     assert dataset["modal_amplitude"].attrs["units"] == "m kg0.5"
@@ -46,6 +47,7 @@ def test_the_dataset_has_units(mode: NonlinearMode) -> None:
     assert estimate.to_dataset()["frequency"].attrs["units"] == "Hz"
 
 
+@pytest.mark.slow
 def test_the_figure_shows_mode_linear_limits_and_estimate(mode: NonlinearMode) -> None:
     above, below = mode.plot(ss.quasi_static_mode(*one_mass(), 1, (1e-6, 1e-3), points_per_decade=5)).axes
     labels = above.get_legend_handles_labels()[1]

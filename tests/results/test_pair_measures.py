@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
@@ -41,6 +42,7 @@ def response_of(
     return replace(base, pairs=pairs, displacement=displacement, samples=SAMPLES)
 
 
+@pytest.mark.slow
 def test_slip_under_a_constant_load() -> None:
     """Per cycle ``4 (A - mu N / k)``; it sticks after each reversal until it has moved by ``2 mu N / k``."""
     loads = np.array([0.0, 2.0, 10.0, 40.0])
@@ -67,6 +69,7 @@ def test_slip_times_friction_is_the_energy_of_a_constant_load() -> None:
     assert (work > 0.0).all()
 
 
+@pytest.mark.slow
 def test_separated_time_and_mean_pressure_of_a_pair_that_bounces() -> None:
     """``N = max(N0 + k c cos, 0)``: open for ``arccos(N0 / (k c)) / pi``, with the mean of the clipped cosine."""
     loads = np.array([3.0, 6.0, 12.0, -6.0])

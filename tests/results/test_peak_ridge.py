@@ -96,6 +96,7 @@ def test_a_ridge_that_begins_inside_counts_where_it_is_known() -> None:
     assert ridge.at(LOADS[9:11]).ridge.tolist() == [0, 1]
 
 
+@pytest.mark.slow
 def test_the_file_comes_back_equal(tmp_path: Path) -> None:
     ridge = replace(FALLING, ends=(("", "beyond 3 N, the peak leaves the frequency range, at 60.00 Hz"),))
     ridge.save(tmp_path / "ridge.nc")

@@ -130,6 +130,7 @@ def test_netcdf_of_another_program(tmp_path: Path) -> None:
         load_results(tmp_path / "other.nc")
 
 
+@pytest.mark.slow
 def test_file_of_another_version(saved: Path) -> None:
     with h5py.File(saved, "r+") as file:
         file.attrs["stickslip_format"] = FORMAT_VERSION + 1

@@ -67,6 +67,7 @@ def test_a_body_with_a_slash_in_its_name_loses_no_table(tmp_path: Path) -> None:
     assert data["bodies.Part%2FBody.density"].attrs["long_name"].startswith("bodies.Part/Body.density")
 
 
+@pytest.mark.slow
 def test_a_place_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     for write in (TABLE.to_csv, TABLE.to_netcdf):
         with rejects(ResultsFileError):

@@ -121,6 +121,7 @@ def test_a_workbook_has_a_sheet_for_each_table_and_no_formula(folder: Path) -> N
     assert [row[0].value for row in book["tables"].iter_rows(min_row=2)] == book.sheetnames[1:]
 
 
+@pytest.mark.slow
 def test_matlab_has_a_structure_for_each_table(folder: Path) -> None:
     from scipy.io import loadmat
 

@@ -26,6 +26,7 @@ def stuck_mass() -> tuple[ss.Superelement, ss.ContactPairs, ss.Excitation]:
     return superelement, ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 1e9), ss.Excitation.force([10.0, 0.0, 0.0])
 
 
+@pytest.mark.slow
 def test_the_force_for_an_amplitude_of_a_linear_structure() -> None:
     superelement, pairs, excitation = stuck_mass()
     response = ss.controlled_response(

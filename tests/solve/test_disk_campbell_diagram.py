@@ -85,6 +85,7 @@ def test_standing_waves_count_once() -> None:
     assert len(found) == len(set(found))
 
 
+@pytest.mark.slow
 def test_the_figure(diagram: Any) -> None:
     axes = diagram.plot().axes[0]
     assert len(axes.lines) == 3 * 2 * 4 + len(diagram.crossings())

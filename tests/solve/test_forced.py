@@ -82,6 +82,7 @@ def test_bench_peak(bench: ForcedResponse, blade: Blade) -> None:
     assert (bench.contact_state[top] > 0).sum() == 9
 
 
+@pytest.mark.slow
 def test_every_point_is_a_solution(bench: ForcedResponse) -> None:
     assert bench.converged
     assert bench.frequency_hz.size >= 60
@@ -197,6 +198,7 @@ def test_one_harmonic_is_not_enough_and_is_reported(blade: Blade) -> None:
     printed_sentence("\n".join(single.warnings))
 
 
+@pytest.mark.slow
 def test_an_excited_harmonic_is_not_mistaken_for_the_tail(blade: Blade) -> None:
     force = np.zeros((blade.superelement.size, 2))
     force[:, 1] = 1e-3 * blade.force_cos

@@ -138,6 +138,7 @@ def test_adjoints_are_those_of_a_matrix_without_symmetry(structure: Any) -> None
         np.testing.assert_allclose(moved[2 * order - 1] - 1j * moved[2 * order], block, atol=1e-18)
 
 
+@pytest.mark.slow
 def test_a_resonance_without_damping_is_that_of_the_whirling_structure(structure: Any) -> None:
     undamped = replace(structure, damping=None)
     first = whirling_hz(structure, structure.stiffness)[0]
@@ -151,6 +152,7 @@ def test_a_resonance_without_damping_is_that_of_the_whirling_structure(structure
     assert beside.converged
 
 
+@pytest.mark.slow
 def test_analyses_without_coriolis_forces_reject_them(structure: Any, tmp_path: Any) -> None:
     pairs, row = pairs_with(50.0), np.eye(SIZE)[0]
     with rejects(ss.InputError, "superelement"):

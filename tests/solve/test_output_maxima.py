@@ -92,6 +92,7 @@ def test_a_wrong_row_is_rejected() -> None:
         two_modes(outputs=np.ones((2, 3)))
 
 
+@pytest.mark.slow
 def test_a_place_without_a_solution_gives_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     def failed(self: Corrector[Any], start: Any, plane: Any) -> Correction[Any]:
         return Correction(start, False, 12, None)

@@ -60,6 +60,7 @@ def test_second_call_reads_the_same_numbers(reduction: Counted) -> None:
     assert np.array_equal(first.recovery @ motion, second.recovery @ motion)
 
 
+@pytest.mark.slow
 def test_any_change_computes_again(reduction: Counted) -> None:
     reduction.cached()
     structure = reduction.structure
@@ -121,6 +122,7 @@ def test_no_damage_gives_numbers_or_a_fault(reduction: Counted) -> None:
             assert cache._read(file) is None, what
 
 
+@pytest.mark.slow
 def test_a_file_under_the_name_of_another_is_not_taken(reduction: Counted) -> None:
     reduction.cached()
     first = kept_file()
@@ -136,6 +138,7 @@ def test_a_file_under_the_name_of_another_is_not_taken(reduction: Counted) -> No
     assert (more_modes.calls, reduction.calls) == (2, 1)
 
 
+@pytest.mark.slow
 def test_a_file_that_cannot_be_read_is_reported(reduction: Counted) -> None:
     reduction.cached()
     file = kept_file()

@@ -164,6 +164,7 @@ def node_ties(mesh: Mesh) -> Equations:
     return equations
 
 
+@pytest.mark.slow
 def test_tied_nodes_are_those_of_a_mesh_that_shares_them() -> None:
     """Exact: the frequencies of two tied cubes are those of two cubes with common nodes, and six are zero."""
     mesh, material = cubes(), Material(1e9, 0.3, 1000.0)

@@ -147,6 +147,7 @@ def test_waves_split_as_in_the_full_ring_of_calculix(tmp_path: Path) -> None:
         assert ours[1] - ours[0] == pytest.approx(np.ptp(theirs), rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_disk_that_rotates_the_other_way_has_exchanged_waves(rotor: Any) -> None:
     other = ss.rotating(rotor.structure, (0.0, 0.0, -1.0), symmetry=rotor.symmetry)
     directions: Any = (rotor, "forward"), (other, "backward")
@@ -160,6 +161,7 @@ def test_a_disk_that_rotates_the_other_way_has_exchanged_waves(rotor: Any) -> No
         np.testing.assert_allclose(reverse[diameter], hz, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_diagram_of_a_disk_has_both_waves(rotor: Any) -> None:
     nodes = [int(np.argmax(np.hypot(*rotor.structure.mesh.points[:, :2].T)))]
     reduced = ss.cyclic_sector(rotor.at(SPEED), rotor.symmetry, nodes, n_modes=6, gyroscopic=rotor.coriolis_at(SPEED))

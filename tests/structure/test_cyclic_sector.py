@@ -88,6 +88,7 @@ def tip_nodes(structure: Any) -> Any:
     return np.flatnonzero(rim & inside)[:2]
 
 
+@pytest.mark.slow
 def test_a_reduction_with_few_modes_is_above_the_ring_and_close(sector: Any, ring_hz: Any) -> None:
     reduced = cyclic_sector(sector, symmetry_of(sector), tip_nodes(sector), n_modes=12)
     found = of_all_diameters({d: reduced.natural_frequencies(d, 4) for d in reduced.diameters}, SECTORS, 8)
@@ -97,6 +98,7 @@ def test_a_reduction_with_few_modes_is_above_the_ring_and_close(sector: Any, rin
     assert "6 sectors, 18 unknowns" in repr(reduced)
 
 
+@pytest.mark.slow
 def test_the_static_response_of_a_reduction_is_that_of_the_ring(sector: Any) -> None:
     nodes = tip_nodes(sector)
     reduced = cyclic_sector(sector, symmetry_of(sector), nodes, n_modes=3)
@@ -178,6 +180,7 @@ def test_rows_of_boundary_nodes(sector: Any) -> None:
         replace(reduced, symmetry=None).selector(int(nodes[1]), (0.0, 1.0, 0.0), of_next=True)
 
 
+@pytest.mark.slow
 def test_the_nodal_diameter_diagram(sector: Any) -> None:
     reduced = cyclic_sector(sector, symmetry_of(sector), tip_nodes(sector), n_modes=2)
     axes = reduced.plot(3, speed_rpm=6000.0).axes[0]

@@ -29,6 +29,7 @@ def test_patch_of_distorted_bricks_reproduces_constant_strain(
     require_constant_strain(structure, structure.mesh.points, outer.ravel(), SOFT)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", ELEMENTS)
 @pytest.mark.parametrize("counts", [(1, 1, 1), (3, 2, 2)])
 def test_a_free_body_has_six_rigid_modes(

@@ -104,6 +104,7 @@ def patch_error(lower: Triple, upper: Triple, quadratic: bool) -> float:
     return float(np.abs(found - exact.ravel()).max() / np.abs(exact).max())
 
 
+@pytest.mark.slow
 def test_the_patch_test_is_exact_where_a_finer_mesh_divides_the_sides() -> None:
     """Forces of the dependent nodes then are consistent with those of the face."""
     assert patch_error((2, 2, 1), (4, 4, 1), False) < 1e-12

@@ -50,6 +50,7 @@ def both() -> Any:
     return ss.rotating(structure, AXIS, free_bodies="at rest")
 
 
+@pytest.mark.slow
 def test_a_free_body_is_at_rest_and_the_other_one_as_if_alone(alone: Any, both: Any) -> None:
     size = alone.structure.stiffness.shape[0]
     change = both.speed_stiffness.toarray()

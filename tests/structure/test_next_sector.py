@@ -89,6 +89,7 @@ def test_stuck_pairs_across_the_boundary_are_those_of_the_ring(slit: tuple[Mesh,
     assert np.abs(without / expected - 1.0).max() > 0.01  # so that the springs count
 
 
+@pytest.mark.slow
 def test_a_rigid_rotation_about_the_axis_moves_no_pair(slit: tuple[Mesh, CyclicSymmetry]) -> None:
     mesh, symmetry = slit
     pairs = rim_pairs(mesh, symmetry)
@@ -99,6 +100,7 @@ def test_a_rigid_rotation_about_the_axis_moves_no_pair(slit: tuple[Mesh, CyclicS
     np.testing.assert_allclose(sector.operator(pairs) @ motion, 0.0, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_a_node_of_both_faces_on_the_boundary_does_not_move_against_itself(
     slit: tuple[Mesh, CyclicSymmetry],
 ) -> None:
@@ -129,6 +131,7 @@ def test_bodies_and_sets_of_the_next_sector(slit: tuple[Mesh, CyclicSymmetry]) -
     assert (both.body == np.repeat([0, 1], mesh.n_cells)).all()
 
 
+@pytest.mark.slow
 def test_pairs_that_reach_two_sectors_ahead(slit: tuple[Mesh, CyclicSymmetry]) -> None:
     mesh, symmetry = slit
     pairs = rim_pairs(mesh, symmetry)

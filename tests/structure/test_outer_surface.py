@@ -118,6 +118,7 @@ def test_a_coarser_surface_keeps_its_shape_and_its_contact(most: int) -> None:
     np.testing.assert_array_equal(coarse.points, fine.points[coarse.node])
 
 
+@pytest.mark.slow
 def test_the_contact_stays_fine_where_the_rest_becomes_coarse() -> None:
     coarse = coarsened(plate(150), 3000)
     size = np.linalg.norm(areas(coarse), axis=1)

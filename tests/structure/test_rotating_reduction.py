@@ -49,6 +49,7 @@ def test_one_reduction_has_the_frequencies_of_the_mesh_at_every_speed(rotor: Any
     assert (whirling_hz(without, 6) >= (1.0 - 1e-9) * mesh).all()  # a Ritz basis is too stiff
 
 
+@pytest.mark.slow
 def test_a_basis_of_rest_alone_would_be_worse(rotor: Any, reduced: Any) -> None:
     nodes = reduced.at_rest.boundary_nodes
     rest = ss.craig_bampton(rotor.structure, nodes, 15)

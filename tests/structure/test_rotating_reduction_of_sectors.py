@@ -56,6 +56,7 @@ def test_the_speed_changes_the_frequencies_that_are_compared(reduced: Any) -> No
     assert reduced.at(TOP).diameters[1].gyroscopic is None
 
 
+@pytest.mark.slow
 def test_the_static_state_at_a_speed_is_that_of_the_sector(rotor: Any, reduced: Any) -> None:
     """The load and the stiffness at half the speed move the boundary nodes as those of the mesh do."""
     speed = 0.5 * TOP

@@ -91,6 +91,7 @@ def test_frequencies_of_all_nodal_diameters_at_a_speed_are_those_of_calculix(tmp
     assert at_speed[0][0] > 1.02 * at_rest[0][0]
 
 
+@pytest.mark.slow
 def test_input_errors(sector: Any, symmetry: Any) -> None:
     with rejects(ss.InputError, "axis"):
         ss.rotating(sector, (0.0, 0.1, 1.0), symmetry=symmetry)

@@ -87,6 +87,7 @@ def ring(around: int, radius: float, width: float, depth: float) -> Mesh:
     return Mesh(points, np.hstack([here + np.arange(4), ahead + np.arange(4)])[:, [0, 1, 5, 4, 3, 2, 6, 7]])
 
 
+@pytest.mark.slow
 def test_a_free_ring_whirls_with_the_frequencies_of_the_closed_form() -> None:
     # In-plane, inextensional: w = 2 n W / (n^2 + 1) +- sqrt(n^2 (n^2 - 1)^2 / (n^2 + 1) (E I / (rho A R^4) + W^2 / (n^2
     # + 1))) in the rotating frame, with the hoop tension of the rotation.

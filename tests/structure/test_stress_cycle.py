@@ -61,6 +61,7 @@ def test_a_rotation_of_all_stress_directions_with_constant_von_mises_alternates(
     assert cycle.alternating == pytest.approx(np.sqrt(3.0) * 30e6)
 
 
+@pytest.mark.slow
 def test_a_constant_stress() -> None:
     constant = np.zeros((2, 6, 1))
     constant[1, :3, 0] = 10e6
@@ -101,6 +102,7 @@ def test_a_dense_sampling_finds_no_larger_extreme(harmonics: int) -> None:
         assert cycle.mean[row] == pytest.approx(von_mises(0.5 * (some[first] + some[second])), rel=0.05, abs=0.05)
 
 
+@pytest.mark.slow
 def test_the_measures_do_not_depend_on_the_axes() -> None:
     coefficients = np.random.default_rng(5).standard_normal((6, 6, 7))
     turn, _ = np.linalg.qr(np.random.default_rng(6).standard_normal((3, 3)))

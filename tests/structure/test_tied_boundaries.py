@@ -103,6 +103,7 @@ def test_a_speed_has_the_same_effects_with_ties() -> None:
         np.testing.assert_allclose(found[1][diameter], found[0][diameter], rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh", [graded((3, 2, 2), 0.4), wedges(3, 5), wedges(2, 4)], ids=["graded", "3:5", "2:4"])
 def test_patch_of_constant_strain(mesh: Any) -> None:
     """Fields of constant strain that the disk has alike in all sectors satisfy the ties, with their exact energy."""
@@ -123,6 +124,7 @@ def test_patch_of_constant_strain(mesh: Any) -> None:
         assert energy == pytest.approx(0.5 * volume * strain @ matrix @ strain, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("left", "right", "largest"), [(2, 4, 1e-9), (3, 5, 0.3)])
 def test_patch_of_constant_stress(left: int, right: int, largest: float) -> None:
     """Forces of constant stress balance inside the left boundary if the right mesh divides its sides; else nearly."""
@@ -142,6 +144,7 @@ def test_patch_of_constant_stress(left: int, right: int, largest: float) -> None
     assert (np.abs(forces[inside, 1]).max() > 1e-3 * np.abs(alone[symmetry.left, 1]).max()) == (largest > 0.1)
 
 
+@pytest.mark.slow
 def test_a_free_disk_has_its_rigid_motions() -> None:
     mesh = wedges(3, 5)
     symmetry, free = tied(mesh), ss.assemble_bodies(mesh, [STEEL], fixed_nodes=[])
@@ -194,6 +197,7 @@ def test_frequencies_are_those_of_boundaries_that_match_within_the_error_of_the_
         assert (difference < np.maximum(error_of_mesh, 1e-3)).all()
 
 
+@pytest.mark.slow
 def test_input_errors() -> None:
     mesh = wedges(2, 4)
     symmetry = tied(mesh)

@@ -57,6 +57,7 @@ def test_frequencies_of_a_tied_blade_are_those_of_the_ring_with_the_same_ties(pa
         np.testing.assert_allclose(of_all(found, 12), expected, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_the_motion_of_a_tied_blade_satisfies_its_ties() -> None:
     mesh = tied_blade(0.6, 3)
     sector, symmetry = tied(mesh), symmetry_of(mesh)
@@ -88,6 +89,7 @@ def test_a_rotating_tied_blade_is_that_of_the_ring() -> None:
     assert expected[0] > 1.02 * ring.natural_frequencies(0.0, 1, coriolis=False)[0]
 
 
+@pytest.mark.slow
 def test_ties_that_the_other_boundary_does_not_have() -> None:
     mesh = tied_blade(1.0, 3)
     symmetry = symmetry_of(mesh)

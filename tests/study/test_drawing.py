@@ -38,6 +38,7 @@ def test_the_second_process_draws_what_the_first_would(tmp_path: Path) -> None:
     assert all(file.parent == tmp_path / "there" and file.stat().st_size > 1000 for file in there)
 
 
+@pytest.mark.slow
 def test_every_grid_shows_the_same_face() -> None:
     """Figure and page draw the same heights at the points that they share, to scale, and the statistics of the law."""
     fine, coarse = rough_patch(CASE, (13, 25)), rough_patch(CASE, (5, 9))

@@ -78,6 +78,7 @@ def test_long_waves_that_decide_the_stiffness_are_reported_although_the_mesh_is_
     printed_sentence(sentences[0], "form_length", "sample_length")
 
 
+@pytest.mark.slow
 def test_gaps_as_high_as_the_long_waves_are_reported() -> None:
     case, joint = joint_of(dict(LONG))
     assert not any("Form or roughness" in sentence for sentence in study_warnings(case, joint))

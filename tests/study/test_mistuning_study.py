@@ -188,6 +188,7 @@ def test_patterns_are_inputs_of_a_case_but_not_of_its_structure() -> None:
     assert one[1] == other[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mistuning", "key"),
     [
@@ -201,6 +202,7 @@ def test_patterns_and_blades_that_do_not_fit(mistuning: dict[str, Any], key: str
         set_up(case(**mistuning))
 
 
+@pytest.mark.slow
 def test_a_file_with_another_number_of_blades(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("blades.csv").write_text("deviation [%]\n1\n2\n")
@@ -211,6 +213,7 @@ def test_a_file_with_another_number_of_blades(tmp_path: Path, monkeypatch: pytes
         set_up(case(file="blades.csv"))
 
 
+@pytest.mark.slow
 def test_a_blade_with_its_root() -> None:
     with rejects(InputError, "mistuning.blade"):
         check(case(standard_deviation="1 %", blade="left boundary"))

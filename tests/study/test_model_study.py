@@ -185,6 +185,7 @@ FORCES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", FORCES)
 def test_the_force_of_a_model_stands_in_the_lines_to_complete(deck: Path, case: str) -> None:
     cards, place, direction, amplitude = FORCES[case]
@@ -197,6 +198,7 @@ def test_the_force_of_a_model_stands_in_the_lines_to_complete(deck: Path, case: 
     assert "The model has a force of" in text
 
 
+@pytest.mark.slow
 def test_sets_of_bodies_come_last_in_the_list(deck: Path) -> None:
     (line,) = [line for line in written(deck).splitlines() if line.startswith("# Other sets")]
     mesh = ss.read_model(deck, "mm").mesh

@@ -82,6 +82,7 @@ def test_templates_name_no_other_kind_of_structure(kind: str) -> None:
     assert lines == [], lines
 
 
+@pytest.mark.slow
 def test_check_reports_a_friction_coefficient_of_no_joint() -> None:
     warnings = [words for _, words in dict(check(mesh_case(friction__coefficient=2.0)))["Warnings"]]
     (sentence,) = [words for words in warnings if "friction coefficient" in words]

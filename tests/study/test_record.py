@@ -68,11 +68,13 @@ def test_values_without_a_unit_have_none_in_the_terminal() -> None:
     assert [_with_unit(*each) for each in (("12", "-"), ("-", "Hz"), ("81.32", "Hz"))] == ["12", "-", "81.32 Hz"]
 
 
+@pytest.mark.slow
 def test_check_lists_the_rows_of_pairs() -> None:
     (sizes,) = [dict(rows) for name, rows in check(quick_case()) if name == "Sizes"]
     assert sizes["rows of pairs"].startswith("3 by 5 on a face; few, if pairs separate")
 
 
+@pytest.mark.slow
 def test_the_page_lists_the_inputs_that_differ_from_their_defaults() -> None:
     case = quick_case().replace({"friction.coefficient": 0.25})
     record = replace(synthetic_study(), inputs=case.to_text())
@@ -86,6 +88,7 @@ def test_inputs_of_a_version_with_other_keys_have_no_such_list() -> None:
     assert changed_inputs(replace(synthetic_study(), inputs='[friction]\nroughening = "0.2"\n')) == ()
 
 
+@pytest.mark.slow
 def test_directions_of_faces_are_those_of_their_pairs() -> None:
     pairs = set_up(mesh_case()).layout.face_pairs
     directions = _face_directions(pairs, 2)
@@ -95,6 +98,7 @@ def test_directions_of_faces_are_those_of_their_pairs() -> None:
         assert directions.middle[face] == pytest.approx(pairs.points[pairs.face == face].mean(axis=0))
 
 
+@pytest.mark.slow
 def test_a_map_that_is_not_along_the_tangents_has_no_directions() -> None:
     pairs = set_up(mesh_case()).layout.face_pairs
     in_a_row = np.column_stack([np.zeros(pairs.n_pairs), 1e-3 * np.arange(pairs.n_pairs)])  # as without positions

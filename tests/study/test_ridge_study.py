@@ -122,6 +122,7 @@ def test_a_check_announces_the_ridges() -> None:
     assert "peaks over a key" not in without
 
 
+@pytest.mark.slow
 def test_a_check_says_why_a_solved_preload_has_no_performance_curve() -> None:
     case = quick_case().replace({"analysis.performance_curve": True, "preload.method": "solved"})
     shown = dict(dict(check(case))["Would run"])
@@ -167,12 +168,14 @@ def test_a_key_or_a_range_that_cannot_be_used_is_rejected_before_anything_runs(
         ss.solve_case(case)
 
 
+@pytest.mark.slow
 def test_a_dimension_that_does_not_fit_is_rejected_before_anything_runs() -> None:
     over = {"analysis.over": "geometry.damper_length", "analysis.over_from": "20 mm"}
     with rejects(ss.InputError, "geometry.damper_length", "geometry.width"):
         check(quick_case().replace(RIDGE | over | {"analysis.over_to": "33 mm"}))
 
 
+@pytest.mark.slow
 def test_a_range_in_which_the_roughness_gives_no_contact_is_rejected() -> None:
     changes = {"analysis.over": "preload.centrifugal_force", "analysis.over_from": "1 nN", "analysis.over_to": "100 N"}
     with rejects(RoughnessError, "preload.centrifugal_force"):

@@ -95,6 +95,7 @@ def test_a_preload_that_is_solved_shows_its_constant_loads() -> None:
     assert sketch.loads[1:].sum(axis=0) == pytest.approx([0.0, 0.0, solved.preload.centrifugal_force])
 
 
+@pytest.mark.slow
 def test_only_the_part_of_a_face_that_has_pairs_is_contact() -> None:
     """The block stands on a part of the beam's upper face; its other face is on the ground."""
     sketch = sketch_of(mesh_case())
@@ -138,6 +139,7 @@ def shaken() -> tuple[Sketch, Case, Model, FloatArray]:
     return sketch, case, model, displacement[1]
 
 
+@pytest.mark.slow
 def test_the_motion_is_that_of_the_mesh_at_the_highest_point(shaken: tuple[Sketch, Case, Model, FloatArray]) -> None:
     sketch, _, model, displacement = shaken
     assert sketch.motion is not None

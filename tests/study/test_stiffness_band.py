@@ -41,6 +41,7 @@ def banded() -> tuple[Case, ReducedModel, ForcedResponse]:
     return case, model, with_stiffness_band(case, model, solve(case, model, threads=1), SilentProgress(), 1)
 
 
+@pytest.mark.slow
 def test_the_factor_multiplies_both_stiffnesses_of_any_law() -> None:
     for changes in ({}, {"roughness.law": "persson"}):
         case = quick_case().replace(changes)
@@ -126,6 +127,7 @@ def test_a_study_with_an_accuracy_has_a_band_with_the_harmonics_of_its_peak(tmp_
     assert load_results(tmp_path / "results.nc").response.stiffness_band == band
 
 
+@pytest.mark.slow
 def test_only_a_stiffness_from_roughness_has_a_band() -> None:
     assert has_stiffness_band(Case())
     assert not has_stiffness_band(Case().replace({"analysis.stiffness_band": False}))

@@ -71,6 +71,7 @@ def test_archard_is_divided_by_the_friction_coefficient() -> None:
     assert energy_coefficients(same.analysis, joint) == pytest.approx(np.full(joint.preload.size, 3e-14))  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_file_of_a_study_comes_back() -> None:
     case = quick_case().replace(WEAR | {"analysis.wear_frequency": "455 Hz"})
     assert Case.from_text(case.to_text()) == case
@@ -109,6 +110,7 @@ def test_keys_of_wear_belong_to_its_kind() -> None:
         Case.from_text("[analysis]\nwear_cycles = 10\n")
 
 
+@pytest.mark.slow
 def test_running_in_to_a_rougher_face_is_rejected_before_anything_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     def no_run(*_: object, **__: object) -> None:
         raise AssertionError("nothing runs before the wear is checked")

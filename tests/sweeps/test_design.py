@@ -101,6 +101,7 @@ def test_a_resumed_design_solves_nothing_again(case: Case, damper: tuple[Design,
     assert values_of(again) == values_of(damper[0])
 
 
+@pytest.mark.slow
 def test_the_sharpness_is_that_of_the_closed_form(case: Case, solver: Callable[..., FakeSolver]) -> None:
     """Where the peak is 5 % higher; the line between designs whose distance doubles is less exact than they are."""
     solver()
@@ -130,6 +131,7 @@ def test_a_killed_design_loses_no_completed_case(case: Case, tmp_path: Path, sol
         assert each.objective == each.cases[1].peaks[0].amplitude_m > each.cases[0].peaks[0].amplitude_m
 
 
+@pytest.mark.slow
 def test_a_limit_of_the_frequency_is_satisfied_and_active(case: Case, solver: Callable[..., FakeSolver]) -> None:
     solver()
     result = ss.design(case, RANGE, subject_to=["peak_frequency < 18.5 Hz"], **FEW)
@@ -142,6 +144,7 @@ def test_a_limit_of_the_frequency_is_satisfied_and_active(case: Case, solver: Ca
     printed_sentence(result.remarks[0])
 
 
+@pytest.mark.slow
 def test_the_optimum_between_two_peaks_is_a_switch(case: Case, solver: Callable[..., FakeSolver]) -> None:
     """Peaks of 1e-4 L and 8e-4 / L: equally high for L = sqrt(8)."""
     solver(lambda limit: [(1e-4 * limit, 17.0), (8e-4 / limit, 20.0)])
@@ -201,6 +204,7 @@ def test_limits_that_no_design_satisfies_are_a_result(
     assert "No design satisfies the limits" in (tmp_path / "design.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_without_any_result_the_first_message_is_the_error(case: Case, solver: Callable[..., FakeSolver]) -> None:
     solver(lambda limit: [])
     with rejects(ConvergenceError):

@@ -51,6 +51,7 @@ def test_limits_without_a_design_are_exit_3(study: Path, tmp_path: Path) -> None
     printed_sentence(result.stderr.splitlines()[-1], LIMIT, numbers=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "key"),
     [

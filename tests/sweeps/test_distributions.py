@@ -48,6 +48,7 @@ def test_samples_have_the_moments_of_the_distribution(
     assert low < values.min() < values.max() < high
 
 
+@pytest.mark.slow
 def test_logarithms_of_lognormal_and_loguniform_samples() -> None:
     logarithms = np.log(samples("friction.coefficient", "lognormal 0.3 */ 1.5"))
     assert logarithms.mean() == pytest.approx(math.log(0.3), rel=1e-6)

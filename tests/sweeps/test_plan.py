@@ -94,6 +94,7 @@ def test_the_key_follows_from_the_code_that_solves_not_from_what_shows(
     work.code_digest.cache_clear()
 
 
+@pytest.mark.slow
 def test_structure_is_shared_unless_geometry_mesh_material_or_reduction_changes() -> None:
     light = planned(
         {"preload.centrifugal_force": "100,300", "excitation.mode": "single,same", "friction.coefficient": "0.2,0.4"}

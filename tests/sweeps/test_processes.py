@@ -104,6 +104,7 @@ def test_answers_that_cannot_travel_and_processes_that_are_ended(tmp_path: Path)
     assert second.cancelled()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes of this system send an answer whole")
 def test_a_worker_that_dies_while_it_sends_its_answer_is_noticed() -> None:
     """The pool of the standard library waits for the rest of the answer for ever."""

@@ -157,6 +157,7 @@ def test_two_processes_and_any_executor_give_the_same_table(swept: Swept, tmp_pa
     assert (other.files, other.case_files) == ((), (None, None))
 
 
+@pytest.mark.slow
 def test_an_executor_without_answer_is_reported_and_its_version_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     class Slow(Executor):
         """Answers, with another version, once the wait was told."""

@@ -187,6 +187,7 @@ def test_tractrix_extremes_stay_on_the_limit() -> None:
         assert np.hypot(t1, t2) == pytest.approx(last, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_inverse_mean_limit_is_smooth_through_equal_limits() -> None:
     for first, last in [(1.0, 1.0), (1.0, 1.0 + 1e-9), (1.0, 1.0201), (1.0, 1.0203), (2.0, 0.3), (1e-6, 1.0)]:
         value, by_first, by_last = inverse_mean_limit(first, last)

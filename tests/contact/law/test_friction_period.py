@@ -16,6 +16,7 @@ from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.core.validation import FloatArray
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("update", ["tractrix", "radial"])
 def test_every_pair_closes_its_period(update: Update) -> None:
     """To 1/C of what the cycles have moved the force at the start, in the norm of K^-1; also pairs that only just reach

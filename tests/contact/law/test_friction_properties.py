@@ -34,6 +34,7 @@ def limit_scale(x: FloatArray, pairs: ContactPairs) -> FloatArray:
     return np.where(scale > 0.0, scale, 1.0)
 
 
+@pytest.mark.slow
 @quick
 @given(seed=seeds, update=updates)
 def test_force_stays_within_the_limit_and_vanishes_when_open(seed: int, update: Update) -> None:
@@ -68,6 +69,7 @@ def test_dissipation_is_never_negative_and_near_the_work(seed: int, update: Upda
     assert np.all(np.abs(work - cycle.dissipated_energy) <= (2e-4 if update == "tractrix" else 2e-2) * size)
 
 
+@pytest.mark.slow
 @quick
 @given(seed=seeds, update=updates, angle=st.floats(0.0, 2.0 * np.pi))
 def test_rotation_of_the_tangential_axes(seed: int, update: Update, angle: float) -> None:
@@ -79,6 +81,7 @@ def test_rotation_of_the_tangential_axes(seed: int, update: Update, angle: float
     assert np.all(error <= 1e-7 * (limit_scale(x, pairs) + np.abs(plain).max(axis=(1, 2))))
 
 
+@pytest.mark.slow
 @quick
 @given(seed=seeds, update=updates, shift=st.integers(1, SAMPLES - 1))
 def test_time_shift(seed: int, update: Update, shift: int) -> None:
@@ -93,6 +96,7 @@ def test_time_shift(seed: int, update: Update, shift: int) -> None:
     assert np.all(error[forgets] <= 1e-7 * limit_scale(x, pairs)[forgets])
 
 
+@pytest.mark.slow
 @quick
 @given(seed=seeds, update=updates, offset=st.tuples(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0)))
 def test_constant_tangential_shift_changes_nothing(seed: int, update: Update, offset: tuple[float, float]) -> None:

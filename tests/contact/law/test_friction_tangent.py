@@ -91,6 +91,7 @@ REGIMES: dict[str, tuple[FloatArray, dict[str, object], int, bool]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("update", UPDATES)
 @pytest.mark.parametrize("name", REGIMES)
 def test_tangent_of_each_regime(name: str, update: Update) -> None:

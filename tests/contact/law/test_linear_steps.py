@@ -32,6 +32,7 @@ LAWS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 def test_a_small_disturbance_changes_the_force_as_the_steps_say(law: Any) -> None:
     motion = np.stack([np.cos(ANGLE) + 0.2, 0.7 * np.sin(ANGLE), 0.5 * np.cos(2.0 * ANGLE + 0.4)], axis=1)[:, None]

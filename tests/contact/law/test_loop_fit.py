@@ -40,6 +40,7 @@ def test_the_constants_of_a_synthetic_loop_come_back_without_noise() -> None:
     assert fit.warnings == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backlash", [0.0, BACKLASH])
 def test_energy_of_a_cycle_is_the_closed_form(backlash: float) -> None:
     """4 F (X - F / k - g / 2): the area of the loop, from the force and from the constants."""
@@ -93,6 +94,7 @@ def test_correlated_scatter_widens_the_intervals() -> None:
     assert correlation_length(np.zeros(50)) == 1.0
 
 
+@pytest.mark.slow
 def test_another_normal_load_changes_the_friction_limit_alone() -> None:
     fit = ss.fit_loops(*loops(), normal_load=1000.0)
     double = 4.0 * 2.0 * LIMIT * (AMPLITUDE - 2.0 * LIMIT / STIFFNESS - 0.5 * BACKLASH)

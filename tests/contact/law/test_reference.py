@@ -72,6 +72,7 @@ def test_circular_numbers() -> None:
     assert circle.dissipated_energy == pytest.approx(energy, rel=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOOPS)
 def test_coefficients_are_the_integrals_of_the_signal(name: str) -> None:
     loop = LOOPS[name][0]

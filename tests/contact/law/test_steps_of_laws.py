@@ -98,6 +98,7 @@ def test_iwan_equals_the_steps_of_thousands_of_jenkins_elements(size: float) -> 
         assert one.force[0, 0] == pytest.approx(many.force[:, 0].sum(), abs=1e-3 * 4000.0)
 
 
+@pytest.mark.slow
 def test_a_kept_iwan_joint_ends_in_the_state_of_its_jenkins_elements() -> None:
     """A vibration about a loaded state: inner elements go round, outer ones keep what the load left in them."""
     density, chi = float(IWAN._density[0, 0]), -0.6

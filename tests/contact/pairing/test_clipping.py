@@ -41,6 +41,7 @@ def test_known_overlaps(window: FloatArray, corners: int, expected: float) -> No
         assert area(actual) == pytest.approx(expected)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(shift=st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5)), angle=st.floats(0.0, 6.3), size=st.floats(0.2, 2.0))
 def test_the_parts_in_four_quadrants_add_up(shift: tuple[float, float], angle: float, size: float) -> None:

@@ -179,6 +179,7 @@ def test_of_two_layers_nodes_take_the_nearest_and_cells_reject() -> None:
         pair_surfaces(third, "bottom", "layers", points="quadrature", search_distance=0.4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("pin", "bore"), [(36, 24), (48, 60)])
 def test_gaps_of_a_pin_in_a_bore_with_flat_sides(pin: int, bore: int) -> None:
     pairing = pair_surfaces(pin_in_bore((pin, 2), (bore, 3)), "top", "bottom", search_distance=0.05)
@@ -328,6 +329,7 @@ def test_wrong_ground_is_rejected() -> None:
         pair_with_ground(stacked(), "bottom", points=wrong)
 
 
+@pytest.mark.slow
 def test_interfaces_of_different_kinds_join() -> None:
     mesh = stacked()
     parts = [pair_surfaces(mesh, "bottom", "top", points=points).pairs for points in ("nodes", "quadrature")]

@@ -67,6 +67,7 @@ def test_distorted_triangles_pass_to_round_off() -> None:
     np.testing.assert_allclose(pressure, 1.0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_nodes_pass_only_where_meshes_match() -> None:
     pressure, error = pressed("nodes", RIGID, (3, 2, 1), (3, 2, 1))
     np.testing.assert_allclose(pressure, 1.0, atol=1e-9)
@@ -90,6 +91,7 @@ def test_pressure_of_nodes_evens_out_where_the_springs_are_soft_beside_an_elemen
     assert spread[2] < 0.7 * spread[1]
 
 
+@pytest.mark.slow
 def test_a_finer_first_face_is_the_better_choice() -> None:
     coarse = stacked((6, 6, 2), (2, 2, 1))
     spread = {}

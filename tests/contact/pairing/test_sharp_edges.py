@@ -41,6 +41,7 @@ def test_all_sides_of_a_solid_pair_like_its_touching_side(points: Points) -> Non
     assert whole.pairs.area.sum() + whole.unpaired_first.area.sum() == pytest.approx(whole.first_area)
 
 
+@pytest.mark.slow
 def test_the_other_sides_are_listed_without_a_warning() -> None:
     mesh = _with_whole_bodies(stacked())
     pairing = pair_surfaces(mesh, "upper body", "lower body")
@@ -48,6 +49,7 @@ def test_the_other_sides_are_listed_without_a_warning() -> None:
     assert not [warning for warning in pairing.warnings if "no partner" in warning]
 
 
+@pytest.mark.slow
 def test_an_overhang_of_the_touching_side_is_still_a_warning() -> None:
     mesh = _with_whole_bodies(stacked(offset=(0.25, 0.0, 0.0)))
     (warning,) = [each for each in pair_surfaces(mesh, "upper body", "lower body").warnings if "no partner" in each]

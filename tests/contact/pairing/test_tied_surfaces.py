@@ -69,6 +69,7 @@ def test_integration_points_cannot_be_tied(mesh: Mesh) -> None:
         joined_modes(held(mesh), pairs, 2)
 
 
+@pytest.mark.slow
 def test_a_face_tied_to_the_ground_is_constrained(mesh: Mesh) -> None:
     free = assemble_bodies(mesh, [STEEL, STEEL])
     joint = pair_surfaces(mesh, "bottom", "top").pairs

@@ -78,6 +78,7 @@ def test_stiffness_of_many_patches_is_proportional_to_small_pressures() -> None:
     assert exponent(law().many_patches(pressure), pressure) == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dimension", [2.2, 2.5])
 def test_exponent_of_a_single_patch_is_that_of_finite_size_scaling(dimension: float) -> None:
     """K ~ F^(1/(1+H)) inside the band (Pastewka 2013), and F^(1/3) of Hertz below it."""
@@ -131,6 +132,7 @@ def test_stiffness_rises_with_the_load(dimension: float, band: float, hardness: 
     assert stiffness[0] > 0
 
 
+@pytest.mark.slow
 def test_a_plastic_contact_is_stiffer_in_small_oscillation() -> None:
     """It has the larger area; a hardness that no spot reaches is an elastic contact."""
     pressure = np.geomspace(1e4, 1e8, 20)

@@ -294,6 +294,7 @@ def test_load_rises_with_the_largest_spot(
     assert larger.real_area > smaller.real_area
 
 
+@pytest.mark.slow
 @quick
 @given(faces, st.floats(-3, 5), st.one_of(st.just(-inf), st.floats(-35, -20)))
 def test_the_spots_carry_the_load(face: Roughness, log_load: float, log_smallest: float) -> None:
@@ -303,6 +304,7 @@ def test_the_spots_carry_the_load(face: Roughness, log_load: float, log_smallest
     assert spots.log_largest >= log_smallest
 
 
+@pytest.mark.slow
 @quick
 @given(faces, st.floats(-2, 4), st.sampled_from(["consistent", "varying-curvature"]))
 def test_stiffness_is_never_negative_and_rises_with_load(face: Roughness, log_load: float, mode: StiffnessMode) -> None:

@@ -59,6 +59,7 @@ def test_greenwood_williamson_against_its_integral() -> None:
     assert law.at_separation(np.array([flat]))[0][0] == pytest.approx(wanted, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_bush_gibson_thomas_against_random_summits() -> None:
     """Heights and second derivatives drawn from their joint distribution, each weighted by its density of summits."""
     law = face(BushGibsonThomasStiffness)
@@ -81,6 +82,7 @@ def test_bush_gibson_thomas_against_random_summits() -> None:
     assert law.at_separation(np.array([0.5e-6]))[0][0] == pytest.approx((weight * load).sum(), rel=0.02)
 
 
+@pytest.mark.slow
 def test_both_agree_on_a_wide_band() -> None:
     pressure = np.geomspace(1e4, 1e7, 5)
     williamson, bush = (

@@ -209,6 +209,7 @@ def test_structure_function_tends_to_the_continuum(dimension: float, length: flo
     assert float(actual) == pytest.approx(float(limit), rel=0.03 + 8 * missing)
 
 
+@pytest.mark.slow
 @quick
 @given(st.floats(2.05, 2.95), st.floats(1e-13, 1e-6), st.floats(1.2, 3.0))
 def test_g_from_the_root_mean_square_height(dimension: float, scale: float, ratio: float) -> None:

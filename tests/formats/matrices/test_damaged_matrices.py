@@ -104,6 +104,7 @@ def test_damaged_maps(
             assert len(set(zip(model.node, model.direction, strict=True))) == 36
 
 
+@pytest.mark.slow
 def test_a_damaged_superelement(tmp_path: Path) -> None:
     element = Superelement(np.eye(8), 2.0 * np.eye(8), boundary_nodes=np.array([7, 3]))
     path = write_superelement(tmp_path / "part.npz", element)

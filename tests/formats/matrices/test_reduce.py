@@ -35,6 +35,7 @@ def model_of(structure: Structure, labels: np.ndarray | None = None) -> MatrixMo
     )
 
 
+@pytest.mark.slow
 def test_the_same_superelement_as_from_our_structure(held_block: Structure) -> None:
     labels = 1000 - np.arange(45)
     actual = reduce_matrices(model_of(held_block, labels), labels[[40, 20]], 6)
@@ -136,6 +137,7 @@ def test_one_contact_node_does_not_support_a_body(make_block: Callable[..., Mesh
         reduce_matrices(model, [3, 3 + n], 4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_modes", [4, 1000])
 def test_a_hinge_is_a_mechanism(make_block: Callable[..., Mesh], n_modes: int) -> None:
     model, n = two_blocks(make_block, shared=2)

@@ -68,6 +68,7 @@ def archive(tmp_path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_equations_are_those_of_a_deck(tmp_path: Path, archive: str) -> None:
     """Both forms: of CDWRITE, and of the command, whose fourth term stands in a second one."""
     lines = [line for number, terms in enumerate(three_terms(), 1) for line in as_written(number, terms)]

@@ -121,6 +121,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 @pytest.mark.parametrize("form", WRITERS)
 def test_faults_of_elements_are_found_in_every_format(

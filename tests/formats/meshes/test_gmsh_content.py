@@ -37,6 +37,7 @@ def require_same_model(path: Path, reference: Path = PLAIN) -> None:
         np.testing.assert_array_equal(block.cells, other.cells)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gmsh_4.1_all_text.msh", "gmsh_4.1_all_binary.msh"])
 def test_entities_without_a_group(name: str) -> None:
     require_same_model(MODELS / name)
@@ -80,6 +81,7 @@ def test_version_4_0(tmp_path: Path) -> None:
         read_model(changed(tmp_path, b" 1 3 4 -1 ", b" 2 3 4 4 -1 ", "gmsh_4.0_text.msh"), "mm")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gmsh_4.1_text.msh", "gmsh_4.1_binary.msh", "gmsh_2.2_text.msh"])
 def test_comments_before_the_header(tmp_path: Path, name: str) -> None:
     comments = b"$Comments\nmade by hand\n$EndComments\n" * 2

@@ -163,6 +163,7 @@ def sorted_numbers(monkeypatch: pytest.MonkeyPatch, path: Path) -> tuple[int, Im
     return total, model
 
 
+@pytest.mark.slow
 def test_a_deck_with_an_entry_in_each_line_takes_linear_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As in nonlinear decks of CalculiX, which hold each node of a face in a line of its own."""
     work = []
@@ -190,6 +191,7 @@ def test_names_of_a_deck_that_take_each_other_do_not_grow(tmp_path: Path) -> Non
     assert model.mesh.node_set("s12").size == 16
 
 
+@pytest.mark.slow
 def test_ranges_of_nastran_have_a_limit(tmp_path: Path) -> None:
     """A line of 20 characters may name a million grids."""
     text = (MODELS / "cubes.bdf").read_text(encoding="utf-8")
@@ -199,6 +201,7 @@ def test_ranges_of_nastran_have_a_limit(tmp_path: Path) -> None:
         read_model(path, "mm")
 
 
+@pytest.mark.slow
 def test_a_keyword_that_continues_without_end(tmp_path: Path) -> None:
     """Parameters over 200,000 lines are joined once."""
     text = (MODELS / "cubes.inp").read_text(encoding="utf-8")

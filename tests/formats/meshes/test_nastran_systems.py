@@ -132,6 +132,7 @@ def test_systems_that_are_wrong(tmp_path: Path, text: str) -> None:
         places(tmp_path, text)
 
 
+@pytest.mark.slow
 def test_a_sector_in_cylindrical_coordinates(tmp_path: Path, make_block: Callable[..., Mesh]) -> None:
     """Two layers of a sector: in x, y, z; and in r, theta, z of a tilted, moved system by grids, in several files."""
     block = make_block((3, 4, 2), (20.0, 40.0, 10.0))

@@ -71,6 +71,7 @@ def nastran(tmp_path: Path, cards: str) -> ImportedModel:
     return read_model(tmp_path / "cubes.bdf", "mm")
 
 
+@pytest.mark.slow
 def test_nastran(tmp_path: Path) -> None:
     """Grid 16 is node 15; t and N/mm are 1000 kg and 1000 N/m."""
     masses = "CONM2,50,16,,2.-6\nCONM2,51,16,,1.-6,,1."
@@ -232,6 +233,7 @@ def study_with_a_mass(folder: Path, **sections: object) -> MeshSetup:
     return setup
 
 
+@pytest.mark.slow
 def test_inertia_of_a_mass_at_a_reference_node(tmp_path: Path) -> None:
     """Under a motion of the support, and so under gravity, the resultant is that of the whole mass."""
     setup = study_with_a_mass(tmp_path, base_motion={"direction": [1, 0, 0], "amplitude": "1 m/s^2"})

@@ -65,6 +65,7 @@ def constraints(path: Path) -> tuple[Mesh, Constraints]:
     return model.mesh, eliminate(model.equations)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("line", "residual"),
     [

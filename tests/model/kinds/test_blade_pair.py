@@ -67,11 +67,13 @@ def test_named_points(blade_mesh: Mesh) -> None:
         np.testing.assert_allclose(blade_mesh.points[blade_mesh.node_set(name)[0]], point, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_masses_of_the_inferred_parts(blade_mesh: Mesh) -> None:
     mass = consistent_mass(blade_mesh.points[blade_mesh.cells], Material().density).sum(axis=(1, 2))
     np.testing.assert_allclose(1e3 * np.bincount(blade_mesh.body, mass), [303.9, 303.9, 11.4], atol=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("asked", "found"), [(1e-9, 3.67), (5.0e-3, 3.67), (18.0e-3, 18.35), (36.6e-3, 36.7)])
 def test_excitation_height_moves_to_the_nearest_node(asked: float, found: float) -> None:
     mesh = blade_pair_mesh(BladePairGeometry(excitation_height=asked))

@@ -21,6 +21,7 @@ def disk(**changes: Any) -> BladedDisk:
     return BladedDisk(**(section | changes))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [{}, {"sectors": 31, "contact_rows": 2}, {"platform_angle": 0.9}])
 def test_the_damper_fits_both_platforms(changes: dict[str, Any]) -> None:
     own = disk(**changes)

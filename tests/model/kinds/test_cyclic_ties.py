@@ -53,6 +53,7 @@ def test_a_tied_blade_of_a_study_has_the_frequencies_of_the_tied_sector(tmp_path
         np.testing.assert_allclose(sector.natural_frequencies(diameter, 3), full, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_without_its_ties_the_blade_is_loose(tmp_path: Path) -> None:
     """Contact alone supports the blade then, which is another structure."""
     with_ties, without = set_up(tied_case(tmp_path)), set_up(tied_case(tmp_path, ties={}))
@@ -62,6 +63,7 @@ def test_without_its_ties_the_blade_is_loose(tmp_path: Path) -> None:
     assert without.sector.constraints is None
 
 
+@pytest.mark.slow
 def test_places_that_follow_other_nodes(tmp_path: Path) -> None:
     response = {"foot": {"set": "foot", "direction": [0, 0, 1]}}
     with rejects(InputError, "responses.foot"):

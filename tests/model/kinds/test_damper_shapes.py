@@ -46,6 +46,7 @@ def test_volumes_by_hand() -> None:
     assert BladePairGeometry().damper_volume == pytest.approx(wedge * 28e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", [each for each in SHAPES if isinstance(each.damper, Cylinder)])
 def test_a_cylinder_touches_both_slopes(geometry: BladePairGeometry) -> None:
     cylinder, roof = geometry.damper, geometry.roof

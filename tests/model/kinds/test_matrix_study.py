@@ -136,6 +136,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("changes", "about"), WRONG.values(), ids=WRONG.keys())
 def test_what_does_not_fit_is_named(folder: Path, changes: dict[str, Any], about: str) -> None:
     data = changed(folder).to_dict()
@@ -187,6 +188,7 @@ def test_a_body_without_contact_without_support_is_rejected(folder: Path, tmp_pa
     printed_sentence(" ".join(result.stderr.split()), "stiffness")
 
 
+@pytest.mark.slow
 def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
     actual = read_superelement(folder)
     assert actual.positions is not None
@@ -221,6 +223,7 @@ def test_a_joint_that_appears_twice_is_rejected(folder: Path) -> None:
         set_up(Case.from_mapping(data))
 
 
+@pytest.mark.slow
 def test_a_file_of_another_kind_and_a_missing_map_are_reported(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "model.inp").write_text("*NODE\n", encoding="utf-8")
     with rejects(ImportFileError, "structure.file"):

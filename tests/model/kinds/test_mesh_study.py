@@ -126,6 +126,7 @@ def test_forces_loads_and_outputs_of_sets() -> None:
     assert set(model.joint.friction_coefficient) == {0.2, 0.3}
 
 
+@pytest.mark.slow
 def test_a_pair_across_a_gap_is_open_by_its_gap() -> None:
     case = mesh_case(interfaces__lid__gap="0.01 mm")
     with rejects(InputError, "interfaces.lid.normal_load"):
@@ -141,6 +142,7 @@ def test_a_pair_across_a_gap_is_open_by_its_gap() -> None:
     assert joint.preload[~lid] == pytest.approx(np.full(count // 2, 2.0))
 
 
+@pytest.mark.slow
 def test_two_materials_meet_in_the_reduced_modulus() -> None:
     layout = set_up(mesh_case(bodies__damper__young_modulus="70 GPa")).layout
     first, second = layout.face_materials[0]
@@ -213,6 +215,7 @@ def test_missing_material_is_named(tmp_path: Path) -> None:
         set_up(case)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sides", [("damper_bottom", "beam_top"), ("beam_top", "damper_bottom")])
 def test_a_joint_that_appears_twice_is_rejected(sides: tuple[str, str]) -> None:
     data = mesh_case().to_dict()
@@ -238,6 +241,7 @@ def test_a_body_without_support_is_rejected() -> None:
         set_up(Case.from_mapping(data))
 
 
+@pytest.mark.slow
 def test_wrong_units_are_a_warning() -> None:
     layout = set_up(mesh_case(bodies__damper__density="8.2 kg/m^3", structure__length_unit="mm")).layout
     sentences = [odd.sentence for odd in layout.odd_values]
@@ -279,6 +283,7 @@ def dotted_study(folder: Path, *changes: tuple[str, str]) -> Path:
     return folder / "study.toml"
 
 
+@pytest.mark.slow
 def test_the_layout_has_the_numbers_of_the_mesh_file(tmp_path: Path) -> None:
     case = load_case(dotted_study(tmp_path))
     numbers, source = set_up(case).layout.file_numbers, read_model(tmp_path / "parts.inp", "mm")
@@ -335,6 +340,7 @@ def test_names_with_dots_in_messages(tmp_path: Path, old: str, new: str, expecte
         set_up(load_case(dotted_study(tmp_path, (old, new))))
 
 
+@pytest.mark.slow
 def test_a_material_that_is_missing_requests_a_name_in_quotes(tmp_path: Path) -> None:
     study_file = dotted_study(tmp_path)
     deck = (tmp_path / "parts.inp").read_text(encoding="utf-8")

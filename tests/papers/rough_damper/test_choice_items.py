@@ -106,6 +106,7 @@ def test_what_cannot_depend_on_a_choice_reports_it_with_the_reason(changed: dict
     assert [a.numbers for a in hard.answers] != [a.numbers for a in soft.answers]
 
 
+@pytest.mark.slow
 def test_tables_have_a_cell_for_every_claim_and_change(changed: dict[str, ChangedVerdict]) -> None:
     verdicts = list(changed.values())
     table = choices_item(verdicts, Scope()).tables[1]

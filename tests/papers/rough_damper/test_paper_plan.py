@@ -103,6 +103,7 @@ def test_under_every_change_forces_and_loads_can_be_compared(
             assert (5.0, main / 2, dimension, scale, excitation) in computed
 
 
+@pytest.mark.slow
 def test_the_papers_roughness_is_plastic_in_the_base_law_and_runs_in_unloading(plan: tuple[Computation, ...]) -> None:
     layout = set_up(plan[0].planned.case).layout
     for dimension in (2.2, 2.3):
@@ -113,6 +114,7 @@ def test_the_papers_roughness_is_plastic_in_the_base_law_and_runs_in_unloading(p
         assert face.messages[0].startswith("Fully plastic")
 
 
+@pytest.mark.slow
 def test_a_scope_that_computes_a_curve_twice_is_rejected() -> None:
     with rejects(StudyFileError):
         computations(Scope(extra=((2.4, 1e-9, "consistent"),)))

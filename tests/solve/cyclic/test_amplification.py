@@ -59,6 +59,7 @@ def direct_peak(deviations: np.ndarray, engine_order: int) -> float:
     return float(np.abs(modes[1::size] @ ((modes.T @ force)[:, None] / resonance)).max())
 
 
+@pytest.mark.slow
 def test_a_tuned_disk_has_the_factor_one() -> None:
     found = factors(np.zeros((1, SECTORS)))
     np.testing.assert_allclose(found.factor, 1.0, rtol=1e-12)
@@ -91,6 +92,7 @@ def test_no_pattern_passes_the_limit_of_whitehead() -> None:
     assert 1.4 < found.factor.max() < found.whitehead_limit
 
 
+@pytest.mark.slow
 def test_a_highest_amplitude_at_an_end_of_the_range_is_reported() -> None:
     tuned_hz = factors(np.zeros((1, SECTORS))).tuned_peak_hz
     patterns = np.array([np.zeros(SECTORS), np.full(SECTORS, 0.01), np.full(SECTORS, 0.1)])

@@ -82,6 +82,7 @@ def test_every_sector_moves_as_the_first_one_later(sectors: Any, engine_order: A
     assert (ring_trial.contact.state.reshape(sectors, 2) == trial.contact.state).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("direction", ["forward", "backward"])
 def test_outputs_of_a_vibration_in_this_and_the_next_sector_are_those_of_the_ring(direction: Any) -> None:
     disk, omega = SmallDisk.of(6), 2.0 * np.pi * 84.0
@@ -159,6 +160,7 @@ def test_each_point_of_a_curve_balances_the_ring(curve: Any) -> None:
     assert (curve.contact_state.max(axis=0) == OPENS).all()
 
 
+@pytest.mark.slow
 def test_energies_of_a_curve_are_those_of_one_sector(curve: Any) -> None:
     disk = SmallDisk.of(6)
     lost = curve.dissipated_energy.sum(axis=1) + curve.viscous_energy

@@ -209,6 +209,7 @@ def test_a_motion_that_presses_nothing_but_for_round_off_slides() -> None:
     printed_sentence("\n".join(response.warnings), numbers=False)
 
 
+@pytest.mark.slow
 def test_an_error_without_any_point_says_that_the_body_moves_freely() -> None:
     """At 0.01 Hz it slides by 117 km, which leaves no digits: the stiffness of the contact is not the reason."""
     with pytest.raises(ss.ConvergenceError, match="A body moves freely"):

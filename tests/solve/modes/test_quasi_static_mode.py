@@ -10,6 +10,7 @@ from known_modes import friction_beam, one_mass
 from sentences import printed_sentence, rejects
 
 
+@pytest.mark.slow
 def test_one_mass_with_a_slider_is_its_closed_form() -> None:
     superelement, pairs = one_mass(ratio=0.002)
     result = ss.quasi_static_mode(superelement, pairs, 1, (1e-6, 1e-3), points_per_decade=100)

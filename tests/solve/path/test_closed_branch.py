@@ -23,6 +23,7 @@ def branch(stop: float, within: tuple[float, float] | None) -> Branch[PlanePoint
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stop", [2.0, -2.0])
 def test_a_closed_curve_ends_where_it_began(stop: float) -> None:
     whole = branch(stop, (-2.0, 2.0))

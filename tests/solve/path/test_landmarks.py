@@ -69,6 +69,7 @@ def test_a_narrow_peak_is_resolved_where_a_landmark_is_near(height: float, backw
     assert highest(follow(peak(height), [beside], backwards)) == pytest.approx(height, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_low_peak_after_a_high_part_is_resolved() -> None:
     curve = peak(0.5, start=20.0)
     assert highest(follow(curve, [Landmark(PLACE + 0.3 * WIDTH, WIDTH)])) == pytest.approx(0.5, rel=0.01)

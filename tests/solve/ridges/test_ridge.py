@@ -228,6 +228,7 @@ def test_a_search_above_the_highest_amplitude_stops() -> None:
     assert stage.search.from_estimate(*estimate, highest=0.9 * top) == ANOTHER_PEAK
 
 
+@pytest.mark.slow
 def test_no_peak_in_the_range_is_an_error() -> None:
     with rejects(ss.ConvergenceError):
         ss.peak_ridge(

@@ -71,6 +71,7 @@ def test_what_is_not_known_has_a_reason() -> None:
     printed_sentence(at_rest.trouble)
 
 
+@pytest.mark.slow
 def test_a_mass_that_only_contact_holds_has_no_peak_without_contact() -> None:
     """Two masses joined by a spring, with a pair between the first one and the ground: free, both move as one body."""
     inner, ground = 9e6, 1e6

@@ -235,6 +235,7 @@ def test_a_slider_that_touches_its_limit_does_not_follow_a_motion_that_rotates()
     assert changes.max() < 1.5 * changes[:2].max()  # 1.05^100 is 130
 
 
+@pytest.mark.slow
 def test_a_law_without_steps_gives_a_reason_and_no_verdict() -> None:
     law = ss.IwanJoint(np.array([[100.0, 100.0]]), np.array([[1.0, 1.0]]), np.array([-0.5]), np.array([0.1]))
     pairs = ss.ContactPairs.with_laws(np.array([[1.0], [0.0], [0.0]]), [law])

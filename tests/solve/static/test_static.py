@@ -52,6 +52,7 @@ def test_wedge_slips_up_and_friction_carries_part_of_the_load() -> None:
     assert not smooth.traction.any()
 
 
+@pytest.mark.slow
 def test_a_load_without_support_has_no_state() -> None:
     superelement, pairs = wedge()
     sideways = np.array([0.0, 300.0, 500.0])  # along the damper: more than friction carries

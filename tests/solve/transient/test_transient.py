@@ -80,6 +80,7 @@ def test_step_law_tangent_equals_central_differences() -> None:
     assert seen == {(kind, closed) for kind in (STUCK, SLIPPING, OPEN) for closed in (True, False)}
 
 
+@pytest.mark.slow
 def test_step_law_stays_in_the_cone_and_does_not_depend_on_the_axes() -> None:
     rng = np.random.default_rng(3)
     turn = np.array([[0.8, -0.6], [0.6, 0.8]])
@@ -155,6 +156,7 @@ def manufactured_error(motion: FloatArray, traction: FloatArray, pairs: ContactP
     return float(np.abs(response.displacement - motion).max() / np.abs(motion).max())
 
 
+@pytest.mark.slow
 def test_jenkins_oscillator_reproduces_its_closed_form_with_second_order() -> None:
     amplitude, limit, steps = 1.1, 0.8, [100, 200, 400, 800]
     pairs = ContactPairs(np.eye(3), K_NORMAL, 3.0, FRICTION, limit / FRICTION)
@@ -171,6 +173,7 @@ def test_jenkins_oscillator_reproduces_its_closed_form_with_second_order() -> No
     assert observed_order(errors, steps) == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.slow
 def test_circular_slip_reproduces_its_closed_form_with_second_order() -> None:
     amplitude, limit, steps = 1.1, 0.8, [60, 120, 240, 480]
     pairs = ContactPairs(np.eye(3), K_NORMAL, 3.0, FRICTION, limit / FRICTION)

@@ -59,6 +59,7 @@ def test_the_example_of_the_theory_runs() -> None:
     exec(compile(script, "theory_wear.md", "exec"), {})
 
 
+@pytest.mark.slow
 def test_volume_is_the_coefficient_times_the_friction_energy() -> None:
     worn = worn_punch(1.5 / RATE, accuracy=1e-3)
     assert worn.energy_volume[-1] == pytest.approx(worn.volume[-1], rel=1e-4)
