@@ -16,6 +16,7 @@ from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.factors import iterated
 from stickslip.solve.harmonic.harmonic_modes import LocalCompliance, NewtonCompliance
 from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
+from stickslip.solve.harmonic.low_rank import LowRankInverse
 from stickslip.solve.harmonic.reduced import NewtonSystem
 from stickslip.solve.harmonic.row_products import VECTORS, row_products
 from stickslip.solve.setting_up import prepare_balances
@@ -44,15 +45,22 @@ def borders(system: NewtonSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     return columns, lines, RNG.standard_normal((2, 2))
 
 
+def bordered_inverse(
+    system: NewtonSystem, columns: FloatArray, lines: FloatArray, corner: FloatArray
+) -> tuple[LowRankInverse, FloatArray]:
+    """The inverse with borders, and the solution that it must find."""
+    inverse = system.low_rank_inverse(columns, lines, corner)
+    assert inverse is not None
+    return inverse, RNG.standard_normal(system.size + 2)
+
+
 def test_the_inverse_is_exact_for_the_compliance_of_low_rank(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reduced, "LARGE_ROWS", 1)
     system = system_of(balance)
     assert system.active.outputs.size > 0
     columns, lines, corner = borders(system)
-    inverse = system.low_rank_inverse(columns, lines, corner)
-    assert inverse is not None
+    inverse, exact = bordered_inverse(system, columns, lines, corner)
     compliance = inverse._compliance
-    exact = RNG.standard_normal(system.size + 2)
     inner, border = exact[: system.size], exact[system.size :]
     moved = compliance.relative(compliance.amplitude(inner.reshape(system.columns, -1)))
     assert np.abs(moved).max() > 0.0
@@ -82,10 +90,8 @@ def test_a_local_compliance_is_inverted_in_its_groups(
 
     monkeypatch.setattr(balance.compliance, "low_rank", with_local)
     columns, lines, corner = borders(system)
-    inverse = system.low_rank_inverse(columns, lines, corner)
-    assert inverse is not None
+    inverse, exact = bordered_inverse(system, columns, lines, corner)
     compliance = inverse._compliance
-    exact = RNG.standard_normal(system.size + 2)
     inner, border = exact[: system.size], exact[system.size :]
     force = system.scatter(inner)
     blocks = [slice(0, 7)] if rows_at_most > 1 else [slice(0, 1), slice(1, 3), slice(3, 5), slice(5, 7)]
