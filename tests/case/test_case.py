@@ -1,5 +1,6 @@
 """The study file: defaults, units, records that read back, and the written file."""
 
+import inspect
 import math
 import sys
 from dataclasses import asdict
@@ -10,7 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from sentences import rejects
-from stickslip.case.case import Case, TwoBladeCase
+from stickslip.case.case import Case, MeshCase, TwoBladeCase
 from stickslip.case.load import load_case
 from stickslip.case.sections import ContactStiffnessSection
 from stickslip.core.errors import StudyFileError
@@ -218,3 +219,17 @@ def test_a_title_is_one_line_that_can_be_shown(text: str) -> None:
     with rejects(StudyFileError, "study.title"):
         Case.from_text(f'[study]\ntitle = "{text}"\n')
     assert Case.from_mapping({"study": {"title": "Schaufel \u2013 \u00b5m, 100 %"}})
+
+
+def test_the_signature_names_the_class_of_each_section_without_its_keys() -> None:
+    words = str(inspect.signature(TwoBladeCase))
+    assert "solver=SolverSection(...)" in words
+    assert "roughness=RoughnessSection(...)" in words
+    assert "rotation=None" in words
+    assert inspect.signature(MeshCase).parameters["structure"].default is inspect.Parameter.empty
+
+
+def test_each_kind_says_how_its_faces_get_more_rows_of_pairs() -> None:
+    section, key = TwoBladeCase.finer_faces.split(" = ")[0].split(".")
+    assert key in Case.allowed_keys()[section]
+    assert MeshCase.finer_faces != TwoBladeCase.finer_faces

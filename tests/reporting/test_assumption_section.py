@@ -10,9 +10,9 @@ import pytest
 from law_makers import exponential
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.law import ContactLaw
+from stickslip.core.shown_numbers import number
 from stickslip.reporting.assumption_section import Assumption, assumptions
 from stickslip.reporting.page import page
-from stickslip.reporting.style import number
 from stickslip.reporting.view import View
 from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.record import CONSTANT_STIFFNESS_PEAK

@@ -11,9 +11,10 @@ from matplotlib.lines import Line2D
 from sentences import rejects
 from stickslip.contact.stiffness.roughness_fit import RoughnessFit
 from stickslip.core.errors import InputError
+from stickslip.core.shown_numbers import energy_unit, number, raised
 from stickslip.core.validation import FloatArray
 from stickslip.reporting import figures
-from stickslip.reporting.style import STATES, energy_unit, number, raised
+from stickslip.reporting.style import STATES
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from synthetic import synthetic_response, synthetic_study

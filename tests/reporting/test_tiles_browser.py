@@ -11,8 +11,8 @@ import pytest
 
 from browser_pages import WIDTHS, opened_page
 from helpers import opened_browser
+from stickslip.core.shown_numbers import tile_number
 from stickslip.reporting.page import page as page_text
-from stickslip.reporting.style import tile_number
 from synthetic import synthetic_response, synthetic_study
 
 pytestmark = pytest.mark.slow

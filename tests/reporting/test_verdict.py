@@ -6,8 +6,8 @@ import dataclasses
 
 import pytest
 
+from stickslip.core.shown_numbers import length
 from stickslip.reporting.best_of_worst import best_of_worst
-from stickslip.reporting.style import length
 from stickslip.reporting.verdict import verdict
 from stickslip.reporting.view import View
 from stickslip.results.sweep_table import SweptKey

@@ -15,10 +15,10 @@ from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import SilentProgress
+from stickslip.core.shown_numbers import number
 from stickslip.model.model import ReducedModel, build_model, load_joint, set_up
 from stickslip.reporting.page import page
 from stickslip.reporting.stiffness_words import stiffness_lines, stiffness_range, stiffness_words
-from stickslip.reporting.style import number
 from stickslip.reporting.view import View
 from stickslip.results.measures import _stiffness_rows, summary, summary_table
 from stickslip.results.response import ForcedResponse

@@ -116,6 +116,8 @@ class Case(CaseContent):
     solver: SolverSection = SolverSection()
     output: OutputSection = OutputSection()
 
+    finer_faces: ClassVar[str] = "a finer mesh of the face"  # what gives a contact face more rows of pairs
+
     def __new__(cls, **sections: Any) -> Self:
         """A case of the class for its kind of structure."""
         kind = kind_in(sections)
@@ -227,6 +229,8 @@ class TwoBladeCase(Case):
     preload: WedgePreloadSection = WedgePreloadSection()
     excitation: ExcitationSection = ExcitationSection()
     rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
+
+    finer_faces: ClassVar[str] = "mesh.contact_columns = 8"
 
     @model_validator(mode="before")
     @classmethod

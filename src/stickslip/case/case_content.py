@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import Parameter, Signature
 from typing import Any
 
 from pydantic import BaseModel
@@ -23,6 +24,12 @@ SHOWN_CHANGES = 4  # chosen: one line of a terminal or two
 
 class CaseContent(BaseModel):
     """Part of a case, whose fields are sections: their values as a study file has them."""
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        """A signature that a reader can take in: the name of each section and its class, without all of its keys."""
+        super().__pydantic_init_subclass__(**options)
+        setattr(cls, "__signature__", Signature([_parameter(name, each) for name, each in cls.model_fields.items()]))  # noqa: B010
 
     def __repr__(self) -> str:
         changed = self.changed_keys()
@@ -125,3 +132,19 @@ class CaseContent(BaseModel):
         kinds = cls.case_classes()
         names = {name for kind in kinds for name, field in kind.model_fields.items() if is_named(field)}
         return tuple(name for name in SECTIONS if name in names)
+
+
+class _Shown(str):
+    """Words that stand for a value in a signature."""
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def _parameter(name: str, field: FieldInfo) -> Parameter:
+    """A section as a parameter: ``solver=SolverSection(...)``."""
+    default: Any = Parameter.empty
+    if not field.is_required():
+        value = field.get_default(call_default_factory=True)
+        default = _Shown(f"{type(value).__name__}(...)") if isinstance(value, BaseModel) else value
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=default)

@@ -16,10 +16,11 @@ from stickslip.contact.law.exponential import ExponentialContact
 from stickslip.contact.law.friction_law import FrictionLaw
 from stickslip.contact.pairing.rows import EFFECT_OF_FEW_ROWS, faces_with_few_rows, rows_of_pairs
 from stickslip.core.errors import InputError
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.section import Section
 from stickslip.reporting.stiffness_words import stiffness_range
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.view import View
 from stickslip.results.record import CONSTANT_STIFFNESS_PEAK
 

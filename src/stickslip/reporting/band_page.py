@@ -12,9 +12,10 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
+from stickslip.core.shown_numbers import number
 from stickslip.reporting import band_plots as plots
 from stickslip.reporting.look import plain_figures
-from stickslip.reporting.style import number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.sweep_view import peak_remark, short_name
 from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
 from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure, Exceedance

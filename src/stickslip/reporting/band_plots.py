@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE, VERMILLION
+from stickslip.core.shown_numbers import MICRO
 from stickslip.reporting.look import (
     FREQUENCY,
     Figure,
@@ -18,7 +19,6 @@ from stickslip.reporting.look import (
     log_axis,
     plain_list,
 )
-from stickslip.reporting.style import MICRO
 from stickslip.reporting.sweep_view import axis_title
 from stickslip.reporting.thinning import thinned
 from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.reporting.style import length
+from stickslip.core.shown_numbers import length
 from stickslip.reporting.sweep_view import SweepView, short_name
 
 # Sections whose keys are load cases: what acts on the structure. All other keys are the design.

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE, VERMILLION
+from stickslip.core.shown_numbers import number
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace
-from stickslip.reporting.style import number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.results.campbell import Campbell, Crossing
 
 _PALE = "#c3ccd5"  # of engine orders that no study asks for

@@ -13,11 +13,12 @@ import numpy as np
 from stickslip import __version__
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
+from stickslip.core.shown_numbers import MICRO, length, number
 from stickslip.reporting import sweep_plots
 from stickslip.reporting.campbell_figure import campbell_figure, crossing_rows
 from stickslip.reporting.compare_verdict import compare_verdict
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_figures
-from stickslip.reporting.style import MICRO, length, number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.sweep_view import COLOURS, DASHES, SweepView
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.results.campbell import campbell

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from stickslip.reporting.style import length, number, shown_number
+from stickslip.core.shown_numbers import length, number
+from stickslip.reporting.style import shown_number
 from stickslip.results.comparison import Compared
 
 _MOST_KEYS = 5  # chosen: named in a sentence; the table below has all

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION
+from stickslip.core.shown_numbers import MICRO
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.antiresonances import with_antiresonances
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, broken_line, figure_of, line_trace
 from stickslip.reporting.other_words import other_lines
 from stickslip.reporting.stiffness_words import stiffness_lines
-from stickslip.reporting.style import MICRO
 from stickslip.reporting.traction_words import traction_lines
 from stickslip.reporting.view import View
 from stickslip.results.peaks import Peak

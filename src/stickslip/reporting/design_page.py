@@ -10,9 +10,10 @@ from typing import Any
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
+from stickslip.core.shown_numbers import number
 from stickslip.reporting import design_plots as plots
 from stickslip.reporting.look import plain_figures
-from stickslip.reporting.style import number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
 from stickslip.results.band import BandMeasure, Limit
 from stickslip.results.design import DesignCase, DesignKey, DesignResult, Evaluation, Sharpness, StartResult

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
+from stickslip.core.shown_numbers import MICRO
 from stickslip.reporting.band_plots import SHOWN as SHOWN_BY_BANDS
 from stickslip.reporting.look import (
     FREQUENCY,
@@ -20,7 +21,6 @@ from stickslip.reporting.look import (
     log_axis,
     plain_list,
 )
-from stickslip.reporting.style import MICRO
 from stickslip.results.band import BandMeasure
 from stickslip.results.design import COST, DesignResult, Evaluation
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.core.shown_numbers import MICRO
 from stickslip.reporting.structure_still import Paint, structure_figure
-from stickslip.reporting.style import MICRO
 from stickslip.results.measures import summary
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from stickslip.core.shown_numbers import number
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.style import number
 from stickslip.results.record import StudyRecord
 
 # chosen: a part of a unit vector below it is not named; it turns the direction by less than 0.3 degrees.

@@ -18,11 +18,12 @@ from stickslip.contact.stiffness.roughness_fit import RoughnessFit
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, blank_figure, one_panel, plain_axes
+from stickslip.core.shown_numbers import MICRO, raised
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.reporting.disk_figures import disk_figures
 from stickslip.reporting.face_axes import map_titles
 from stickslip.reporting.look import map_range, mark_size
-from stickslip.reporting.style import LINE_COLOURS, MICRO, STATES, raised
+from stickslip.reporting.style import LINE_COLOURS, STATES
 from stickslip.reporting.view import View
 from stickslip.results.record import StudyRecord, compared_model, reference_deviation
 from stickslip.results.response import ForcedResponse

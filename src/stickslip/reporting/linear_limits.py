@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.reporting.style import MICRO, number
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.reporting.sweep_view import SweepView, value_words
 from stickslip.results.sweep_table import SweptKey
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE, VERMILLION
+from stickslip.core.shown_numbers import MICRO
 from stickslip.reporting.look import Figure, axis_look, figure_of, line_trace
 from stickslip.reporting.section import Section
-from stickslip.reporting.style import MICRO
 from stickslip.reporting.view import View
 from stickslip.results.mistuning import LIMITS, Mistuning
 from stickslip.results.mistuning_figure import exceedance

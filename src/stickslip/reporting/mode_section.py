@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE
+from stickslip.core.shown_numbers import MICRO, number, raised
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis
 from stickslip.reporting.section import Section
-from stickslip.reporting.style import MICRO, STATES, number, raised
+from stickslip.reporting.style import STATES
 from stickslip.reporting.view import View
 from stickslip.results.mode_figure import MODAL_AMPLITUDE
 from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode

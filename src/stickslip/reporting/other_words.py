@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import VERMILLION
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.reporting.look import PlotMarkup, broken_line
 from stickslip.reporting.section import Section
-from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.view import View
 from stickslip.results.curve_figure import OTHER_CURVES
 from stickslip.results.sweeps_of_curve import unstable_steps

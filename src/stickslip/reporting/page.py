@@ -8,10 +8,11 @@ from pathlib import Path
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
+from stickslip.core.shown_numbers import energy, length, number, tile_number
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.page_data import page_data
 from stickslip.reporting.page_sections import CURVE, SECTIONS
-from stickslip.reporting.style import energy, length, number, shown_number, tile_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.verdict import verdict
 from stickslip.reporting.view import View

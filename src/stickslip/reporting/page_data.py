@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import ContactState
+from stickslip.core.shown_numbers import MICRO
 from stickslip.reporting.packing import FULL_SCALE, packed
 from stickslip.reporting.plots import group_labels
-from stickslip.reporting.style import MICRO, STATES
+from stickslip.reporting.style import STATES
 from stickslip.reporting.view import View
 
 # Characters of numbers on a page; with plotly.js (4.8 million) and its words the page is below 15 MB.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.contact.pairing.pairing_result import FROM_PAIRING
+from stickslip.core.shown_numbers import MICRO, number, raised
 from stickslip.reporting import plots
 from stickslip.reporting.assumption_section import ASSUMPTIONS
 from stickslip.reporting.curve_plot import amplitude_frequency
@@ -26,7 +27,7 @@ from stickslip.reporting.section import Section
 from stickslip.reporting.stiffness_words import stiffness_words
 from stickslip.reporting.stress_section import STRESS
 from stickslip.reporting.structure_section import STRUCTURE
-from stickslip.reporting.style import MICRO, number, raised, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.sweep_words import sweep_words
 from stickslip.reporting.templates import StudyText
 from stickslip.reporting.traction_words import TRACTIONS

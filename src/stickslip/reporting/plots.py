@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, PURPLE, VERMILLION
+from stickslip.core.shown_numbers import MICRO
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.face_axes import map_titles
 from stickslip.reporting.look import (
@@ -26,7 +27,7 @@ from stickslip.reporting.look import (
     mark_size,
     plain_list,
 )
-from stickslip.reporting.style import AXIS_NAMES, LINE_COLOURS, LINE_DASHES, MICRO, STATES
+from stickslip.reporting.style import AXIS_NAMES, LINE_COLOURS, LINE_DASHES, STATES
 from stickslip.reporting.view import View
 from stickslip.results.rough_patch import RoughPatch
 

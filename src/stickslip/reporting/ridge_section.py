@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, VERMILLION
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis, plain_list
 from stickslip.reporting.section import Section
-from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.view import View
 from stickslip.results.checked_peak import CheckedPeak, is_doubtful
 from stickslip.results.highest_peak import Optimum

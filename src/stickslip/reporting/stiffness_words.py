@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.core.plain_figure import GREEN
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.reporting.look import PlotMarkup, line_trace
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.view import View
 from stickslip.results.measures import Summary
 

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.reporting.section import Content, Section
 from stickslip.reporting.structure_picture import STRESS_WORDS
 from stickslip.reporting.structure_still import Paint, still_picture
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.templates import rendered
 from stickslip.reporting.view import View
 from stickslip.results.stress import REGION_WORDS, Region, StressExtreme, StressSummary

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.shown_numbers import number
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.structure_view import Camera, area_vectors, directions
-from stickslip.reporting.style import number
 from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Sketch
 

@@ -6,12 +6,13 @@ import base64
 
 import numpy as np
 
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.section import Content, Section
 from stickslip.reporting.structure_marks import of_first_sector
 from stickslip.reporting.structure_picture import STRESS_WORDS, LegendEntry, StructurePicture, structure_picture
 from stickslip.reporting.structure_still import still_picture
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.templates import rendered
 from stickslip.reporting.view import View
 from stickslip.results.record import StudyRecord

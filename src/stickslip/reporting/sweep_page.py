@@ -12,11 +12,12 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
+from stickslip.core.shown_numbers import MICRO, length, number
 from stickslip.reporting import sweep_plots as plots
 from stickslip.reporting.best_of_worst import best_of_worst
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.look import Figure, plain_figures
-from stickslip.reporting.style import MICRO, length, number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.sweep_performance import optima, performance
 from stickslip.reporting.sweep_styles import LEGEND_ENTRIES, styles_of
 from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, peak_remark, short_name, value_words

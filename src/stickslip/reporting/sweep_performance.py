@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, ORANGE, VERMILLION
+from stickslip.core.shown_numbers import MICRO
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
 from stickslip.reporting.slow_sweep_marks import slow_sweep_marks
-from stickslip.reporting.style import MICRO
 from stickslip.reporting.sweep_plots import group_lines, number_axis
 from stickslip.reporting.sweep_styles import Style, styles_of
 from stickslip.reporting.sweep_view import LOAD_KEY, SweepView

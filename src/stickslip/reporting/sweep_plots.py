@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.shown_numbers import MICRO
+from stickslip.core.shown_numbers import number as shown_digits
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, log_axis, plain_list
 from stickslip.reporting.slow_sweep_marks import slow_sweep_marks
-from stickslip.reporting.style import MICRO
-from stickslip.reporting.style import number as shown_digits
 from stickslip.reporting.sweep_styles import Style, mark_look, styles_of
 from stickslip.reporting.sweep_view import (
     SCALE,

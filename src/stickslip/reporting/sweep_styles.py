@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, INK
-from stickslip.reporting.style import number
+from stickslip.core.shown_numbers import number
 from stickslip.reporting.sweep_view import (
     COLOURS,
     DASHES,

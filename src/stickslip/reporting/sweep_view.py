@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
+from stickslip.core.shown_numbers import number
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.style import number
 from stickslip.results.peaks import caution
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
 

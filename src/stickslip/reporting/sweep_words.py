@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.core.shown_numbers import MICRO, number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.view import View
 
 

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.core.plain_figure import GREY
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.reporting.look import PlotMarkup, line_trace
 from stickslip.reporting.section import Section
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.view import View
 from stickslip.results.curve_figure import TRACTION_CURVES
 from stickslip.results.traction_band import TractionBand

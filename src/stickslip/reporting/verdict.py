@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from stickslip.reporting.style import length, number, shown_number
+from stickslip.core.shown_numbers import length, number
+from stickslip.reporting.style import shown_number
 from stickslip.reporting.view import View
 from stickslip.results.peaks import Peak
 

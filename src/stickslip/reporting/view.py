@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from stickslip.core.shown_numbers import MICRO, energy_unit
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.style import MICRO, energy_unit
 from stickslip.results.measures import Summary, summary
 from stickslip.results.peaks import window_around
 from stickslip.results.record import StudyRecord

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.core.plain_figure import BLUE, INK, VERMILLION
+from stickslip.core.shown_numbers import MICRO, number, raised
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace
 from stickslip.reporting.plots import pair_map
 from stickslip.reporting.section import Section
-from stickslip.reporting.style import MICRO, number, raised
 from stickslip.reporting.view import View
 from stickslip.results.wear import Wear
 

@@ -38,10 +38,11 @@ def eigenpairs_near(
     values, vectors = _iterated(matrix, count, shift, factor, mass)
     while matrix.shape[0] - len(values) > 2:
         last = np.sort(np.abs(values - shift))[count - 1]
-        value, _ = _iterated(matrix, 1, shift, factor, mass, vectors, _ROUGH)
+        found = _orthonormal(vectors, mass)
+        value, _ = _iterated(matrix, 1, shift, factor, mass, found, _ROUGH)
         if abs(value[0] - shift) > _FAR * last:
             break
-        value, vector = _iterated(matrix, 1, shift, factor, mass, vectors)
+        value, vector = _iterated(matrix, 1, shift, factor, mass, found)
         if abs(value[0] - shift) >= (1.0 - _EQUAL) * last:
             break
         values, vectors = np.append(values, value), np.hstack([vectors, vector])
@@ -55,23 +56,24 @@ def _iterated(
     shift: float,
     factor: Factor,
     mass: Any,
-    found: FloatArray | None = None,
+    found: tuple[FloatArray, FloatArray] | None = None,
     tolerance: float = 0.0,
 ) -> tuple[FloatArray, FloatArray]:
-    """Solutions of one Lanczos iteration, in the M-orthogonal complement of the vectors ``found`` (n, k) if given:
-    ``(1 - V V^H M) (A - shift M)^-1``. ``tolerance`` of the residual; 0: round-off. Raises ConvergenceError."""
+    """Solutions of one Lanczos iteration. With ``found``, an M-orthonormal basis V (n, k) and M V, in the M-orthogonal
+    complement of V: ``(1 - V V^H M) (A - shift M)^-1``. ``tolerance`` of the residual; 0: round-off. Raises
+    ConvergenceError."""
     size = matrix.shape[0]
-    basis, weighted = (None, None) if found is None else _orthonormal(found, mass)
 
     def solve(force: FloatArray) -> FloatArray:
         answer = factor.solve(force)
-        return (
-            answer if basis is None or weighted is None else np.asarray(answer - basis @ (weighted.conj().T @ answer))
-        )
+        if found is None:
+            return answer
+        basis, weighted = found
+        return np.asarray(answer - basis @ (weighted.conj().T @ answer))
 
     inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=solve, dtype=factor.dtype)
-    start = np.random.default_rng(0 if found is None else found.shape[1]).standard_normal(size).astype(factor.dtype)
-    subspace = None if found is None else min(_SUBSPACE, size - found.shape[1])
+    start = np.random.default_rng(0 if found is None else found[0].shape[1]).standard_normal(size).astype(factor.dtype)
+    subspace = None if found is None else min(_SUBSPACE, size - found[0].shape[1])
     try:
         # one thread and one start, so that modes, which are cached on disk, are the same in every run
         with threadpool_limits(limits=1):

@@ -10,6 +10,7 @@ from stickslip.case.case import Case
 from stickslip.case.consistency import RANGE_KEYS
 from stickslip.case.load import has_range
 from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.shown_numbers import length
 from stickslip.core.threads import thread_count
 from stickslip.model.model import build_model, kind_of
 from stickslip.results.measures import hertz
@@ -53,8 +54,6 @@ class Proposal:
 
     def rows(self, case: Case) -> Iterator[tuple[str, str]]:
         """(label, value) for ``stickslip check``."""
-        from stickslip.reporting.style import length  # at the first use, as other modules of pages
-
         if self.onset is None:
             yield "linear peaks", f"not computed: {self.trouble}"
             return

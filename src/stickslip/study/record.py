@@ -10,7 +10,7 @@ from itertools import zip_longest
 import numpy as np
 
 from stickslip.case.analysis import ForcedAnalysis
-from stickslip.case.case import Case, TwoBladeCase
+from stickslip.case.case import Case
 from stickslip.case.reference import MODE_COUNT
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.exponential import ExponentialContact
@@ -121,7 +121,7 @@ def _few_rows(case: Case, model: ReducedModel, response: ForcedResponse) -> Iter
     coarse = {face: rows for face, rows in few.items() if opening[pairs.face == face].any()}
     if coarse:
         names = ", ".join(f"{rows} on {model.joint.face_names[face]}" for face, rows in coarse.items())
-        finer = "mesh.contact_columns = 8" if isinstance(case, TwoBladeCase) else "a finer mesh of the face"
+        finer = case.finer_faces
         yield (
             f"At the peak {int(opening.sum())} pairs separate, on faces with few rows of pairs: {names}. The border "
             f"of contact is then coarse: {EFFECT_OF_FEW_ROWS}. Compare with at least {FEW_ROWS} rows: {finer}."

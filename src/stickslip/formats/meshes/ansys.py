@@ -18,7 +18,7 @@ import numpy as np
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.ansys_archive import Entry, read_archive
 from stickslip.formats.meshes.ansys_contact import CONTACT_TYPES, TARGET, ContactElements
-from stickslip.formats.meshes.ansys_ties import ConstraintEquations
+from stickslip.formats.meshes.ansys_ties import DIRECTIONS, ConstraintEquations
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
 from stickslip.formats.meshes.raw_model import (
     RawBody,
@@ -55,7 +55,7 @@ _SILENT = {
 }
 # Gravity, rotations and other loads of zero, which each archive has.
 _GLOBAL_LOADS = ("ACEL", "OMEGA", "DOMEGA", "CGLOC", "CGOMEGA", "DCGOMG", "ALPHAD", "BETAD", "DMPRAT", "DMPSTR")
-_DIRECTIONS = {"UX": (0,), "UY": (1,), "UZ": (2,), "ALL": (0, 1, 2), "ROTX": (3,), "ROTY": (4,), "ROTZ": (5,)}
+_DIRECTIONS = {"ALL": (0, 1, 2), **{name: (direction,) for name, direction in DIRECTIONS.items()}}
 _FORCES = {"FX": 0, "FY": 1, "FZ": 2}
 # Middles of the edges of a brick that remain in a wedge (I J K K M N O O) and in a tetrahedron (I J K K M M M M).
 _OF_WEDGE, _WEDGE_MIDDLES = [0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 5, 7, 8, 9, 10]

@@ -12,7 +12,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.ansys_archive import Entry
 from stickslip.formats.meshes.raw_ties import RawEquation, Term, basic_terms, combined
 
-_DIRECTIONS = {"UX": 0, "UY": 1, "UZ": 2, "ROTX": 3, "ROTY": 4, "ROTZ": 5}
+DIRECTIONS = {"UX": 0, "UY": 1, "UZ": 2, "ROTX": 3, "ROTY": 4, "ROTZ": 5}
 
 
 @dataclass
@@ -74,7 +74,7 @@ class ConstraintEquations:
             if not entry.word(at):
                 continue
             name = entry.word(at + 1)
-            if name not in _DIRECTIONS:
-                entry.fail(f'"{name[:10]}" is not a direction; it must be one of {", ".join(_DIRECTIONS)}.')
-            term = (entry.label(entry.word(at)), _DIRECTIONS[name], entry.number(entry.word(at + 2)))
+            if name not in DIRECTIONS:
+                entry.fail(f'"{name[:10]}" is not a direction; it must be one of {", ".join(DIRECTIONS)}.')
+            term = (entry.label(entry.word(at)), DIRECTIONS[name], entry.number(entry.word(at + 2)))
             equation.terms.append(term)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from stickslip.reporting.style import number, raised
+from stickslip.core.shown_numbers import number, raised
 
 
 @pytest.mark.parametrize(
