@@ -28,7 +28,8 @@ CONTACT = """*SURFACE INTERACTION, NAME=Steel on steel
 *CONTACT PAIR, INTERACTION=steel on STEEL, TYPE=SURFACE TO SURFACE
 DAMPER_BOTTOM, beam_top
 """
-RANGE = '\n[solver]\nfrequency_start = "1600 Hz"\nfrequency_stop = "2000 Hz"\n'
+RESOLUTION_OF_TEMPLATES = 0.005  # as in `stickslip new --kind mesh`
+RANGE = 'frequency_start = "1600 Hz"\nfrequency_stop = "2000 Hz"\n'
 # What no model file contains, by the line to complete.
 ANSWERS = {
     'normal_load = "... N"': 'normal_load = "40 N"',
@@ -157,6 +158,7 @@ def test_a_deck_of_abaqus_cae_from_the_file_to_the_page(tmp_path: Path) -> None:
         outcome = CliRunner().invoke(app, words)
         assert outcome.exit_code == 0, outcome.output
     case = load_case(final)
+    assert case.solver.accuracy == RESOLUTION_OF_TEMPLATES
     low, high = case.solver.frequency_start, case.solver.frequency_stop
     proposal = propose(case)
     assert proposal.onset is not None
@@ -164,7 +166,9 @@ def test_a_deck_of_abaqus_cae_from_the_file_to_the_page(tmp_path: Path) -> None:
     assert proposal.onset.free_peak is None
     assert proposal.onset.stuck_peak is not None
     assert low < proposal.onset.stuck_peak.frequency_hz < high < 1.2 * proposal.onset.stuck_peak.frequency_hz
-    quick = case.replace({"analysis.stiffness_band": False, "solver.harmonics": 1, "solver.samples": 32})
+    quick = case.replace(
+        {"analysis.stiffness_band": False, "solver.accuracy": None, "solver.harmonics": 1, "solver.samples": 32}
+    )
     solved = ss.run(quick, tmp_path / "out", threads=1)
     assert solved.response.converged
     study = load_results(tmp_path / "out" / "results.nc").study

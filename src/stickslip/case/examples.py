@@ -7,8 +7,8 @@ from typing import Any
 _BODY = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
 # Machined faces, written out: an own joint has no default roughness.
 _ROUGHNESS = {"sq": "1 um", "sample_length": "0.8 mm"}
-_RESOLUTION = {"accuracy": "0.5 %"}
-_SOLVER = {"frequency_start": "100 Hz", "frequency_stop": "1000 Hz", **_RESOLUTION}
+RESOLUTION = {"accuracy": "0.5 %"}
+_SOLVER = {"frequency_start": "100 Hz", "frequency_stop": "1000 Hz", **RESOLUTION}
 EXAMPLES: dict[str, dict[str, Any]] = {
     # Its contact stiffness is uncertain by a factor 3; a finer accuracy takes several times as long.
     "two-blade": {"solver": {"accuracy": "2 %"}},

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stickslip.case.examples import RESOLUTION
 from stickslip.case.template import bare_name
 from stickslip.core.errors import InputError
 from stickslip.formats.meshes.imported_model import ImportedModel
@@ -36,6 +37,10 @@ _MATERIAL = ('young_modulus = "... GPa"', "poisson_ratio = ...", 'density = "...
 _STIFFNESS = (
     "# The contact stiffness follows from [roughness]. Instead, each joint may have normal_stiffness and",
     "# tangential_stiffness, or a law.",
+)
+_RESOLUTION = (
+    "# frequency_start and frequency_stop: those that check proposes, until they are given.",
+    *(f"{key} = {json.dumps(value)}" for key, value in RESOLUTION.items()),
 )
 _LOADS = (
     "# Normal loads at rest: normal_load in each joint, or solved from static loads with [preload] method = "
@@ -73,6 +78,7 @@ def study_of_model(model: ImportedModel, file: str, own_system: str | None) -> s
         "\n".join(_STIFFNESS) + "\n" + _to_complete("roughness", ('sq = "... um"', 'sample_length = "... mm"')),
         *_excitation(model, where),
         _to_complete("responses.output", where),
+        _section("solver", _RESOLUTION),
     ]
     return "\n".join(parts)
 
