@@ -82,17 +82,17 @@ def make_lap() -> Lap:
 def _parts(edges: np.ndarray) -> np.ndarray:
     """Length that each point represents."""
     steps = np.diff(edges)
-    return 0.5 * (np.append(steps, 0.0) + np.insert(steps, 0, 0.0))
+    return np.asarray(0.5 * (np.append(steps, 0.0) + np.insert(steps, 0, 0.0)))
 
 
 def _head_load(points: np.ndarray) -> np.ndarray:
-    load = np.zeros(points.shape)
+    load: np.ndarray = np.zeros(points.shape)
     for side in (-1.0, 1.0):
         outside = np.isclose(points[:, 2], side * HALF) & (np.abs(points[:, 0]) <= LAP / 2)
         for bolt in BOLTS:
-            weight = outside * np.exp(-((np.linalg.norm(points[:, :2] - bolt, axis=1) / HEAD_RADIUS) ** 4))
+            weight: np.ndarray = outside * np.exp(-((np.linalg.norm(points[:, :2] - bolt, axis=1) / HEAD_RADIUS) ** 4))
             load[:, 2] -= side * BOLT_FORCE_N * weight / weight.sum()
-    return load.ravel()
+    return np.asarray(load.ravel())
 
 
 def solved_pressure(lap: Lap) -> np.ndarray:
