@@ -113,7 +113,7 @@ def read_two_beam(folder: Path, name: str, radius_m: float = CONE_RADIUS_M) -> T
         corners = nodes[quads[np.asarray(raw["Pels"][patch], int) - 1]]
         position, size = corners.mean(axis=1), _areas(corners)
         arm = position - np.average(position, axis=0, weights=size)
-        motion.append(_rigid(arm) @ raw["LamT"][:, 6 * patch : 6 * patch + 6].T)
+        motion.append(rigid_rows(arm) @ raw["LamT"][:, 6 * patch : 6 * patch + 6].T)
         area.append(size)
         centre.append(position)
     areas = np.concatenate(area)
@@ -149,7 +149,7 @@ def _areas(corners: np.ndarray) -> np.ndarray:
     return 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
 
 
-def _rigid(arm: np.ndarray) -> np.ndarray:
+def rigid_rows(arm: np.ndarray) -> np.ndarray:
     """(n, 3, 6) displacement at ``arm`` (n, 3) m from three translations and three rotations."""
     result = np.zeros((len(arm), 3, 6))
     result[:, range(3), range(3)] = 1.0

@@ -143,6 +143,32 @@ def test_bolts_press_with_their_force_and_asperities_share_it(monkeypatch: pytes
     assert two_beam.exponential_loads(2) == pytest.approx([1.0 - np.log(2.0), 1.0 + np.log(2.0)])
 
 
+def test_patches_move_rigidly_and_their_slip_has_its_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """benchmarks/lap_patches.py: rigid motions pass; little slip, and sliding, in closed form."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import lap_patches
+    import two_beam
+
+    x, y = np.meshgrid(np.linspace(-0.06, 0.06, 31), np.linspace(-0.0127, 0.0127, 5))
+    position = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    area = np.random.default_rng(1).uniform(1e-6, 2e-6, x.size)
+    patches = lap_patches.patch_motion(SimpleNamespace(position=position, area=area)).toarray()
+    rigid = two_beam.rigid_rows(position).reshape(-1, 6)
+    assert patches @ rigid == pytest.approx(rigid, abs=1e-12)
+    assert patches @ patches == pytest.approx(patches, abs=1e-12)
+    assert np.linalg.matrix_rank(patches) == 30
+
+    motion, one, stiffness = np.array([[1.0, 0.0, 0.0]]), np.ones(1), 1e4
+    energy = (2.0 * np.pi * 100.0) ** 2
+    amplitude, spring = lap_patches.AMPLITUDES[1], stiffness * two_beam.TANGENTIAL_RATIO
+    x = spring * amplitude / 50.0
+    _, little = lap_patches.microslip(motion, one, 100.0 * one, stiffness, 0.5, 100.0)
+    assert little == pytest.approx((-0.25 * spring * x / energy, spring * x / (3.0 * np.pi * energy)), rel=0.01)
+    _, (shift, damping) = lap_patches.microslip(motion, one, 1e-6 * one, stiffness, 0.5, 100.0)
+    assert shift == pytest.approx(-0.5 * spring / energy, rel=0.01)  # nothing is left
+    assert damping == pytest.approx(4.0 * 0.5e-6 / (2.0 * np.pi * energy * amplitude), rel=0.01)
+
+
 def test_the_force_of_an_iwan_joint_at_phase_resonance_is_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
     """F = a (2 zeta m + 2 R a / (3 pi w^4)): the loop of chi = 0 against the controlled response of half_brb.py."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))

@@ -161,5 +161,20 @@ def test_the_load_that_is_reported_parts_plastic_from_elastic_contact(hardness: 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("few_simulations")
+def test_a_fractal_law_softer_than_one_round_spot_is_reported() -> None:
+    """Soft metal: at 1 MPa the load is a few times that up to which all spots are plastic."""
+    result = invoke(PROFILE, "--hardness", "0.6 GPa")
+    assert result.exit_code == 0, result.output
+    rows = [line for line in result.stdout.splitlines() if " MPa    Persson" in line or " MPa   Persson" in line]
+    ratios = [float(matched(r", 1/(\S+) of one round spot", line).group(1)) for line in rows if "round spot" in line]
+    warning = [line for line in result.stdout.splitlines() if line.startswith("Warning: Below one spot")]
+    assert len(warning) == 1
+    assert f"1/{max(ratios):.3g} of the" in warning[0]
+    assert "round spot" not in rows[-1]  # at 100 MPa
+    assert "Below one spot" not in invoke(PROFILE).stdout
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_simulations")
 def test_without_a_hardness_that_of_a_new_study_file_is_reported() -> None:
     assert "With the default hardness 3 GPa" in invoke(PROFILE).stdout

@@ -9,6 +9,7 @@ import stickslip as ss
 from castings import casting_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import TwoBladeCase
+from stickslip.contact.stiffness.fractal import published_contact
 from stickslip.model.joint import Joint
 from stickslip.model.model import load_joint, set_up
 from stickslip.model.rough_face import case_material, case_roughness
@@ -50,6 +51,42 @@ def test_a_law_outside_of_the_band_is_reported_with_its_ratio() -> None:
     sentences = [each for each in study_warnings(case, joint) if each.startswith("Believable")]
     assert len(sentences) == 1  # both faces have the same
     printed_sentence(sentences[0])
+
+
+def test_a_law_in_the_band_that_is_softer_than_any_contact_of_its_area_is_reported() -> None:
+    """With 1.8 GPa the face has 4 times the load of full plasticity; with 3 GPa 33 times."""
+    case, joint = joint_of({"roughness.hardness": "1.8 GPa"})
+    face = joint.rough_faces[0]
+    assert face is not None
+    assert face.believable is not None
+    assert face.believable.is_inside
+    assert face.one_spot is not None
+    rough = case_roughness(case, *[case_material(case)] * 2)
+    found = published_contact(rough, face.pressure * face.reference_area)
+    assert face.believable.chosen * face.reference_area == pytest.approx(
+        found.normal, rel=1e-13
+    )  # the law is as it was
+    least = 2 * rough.reduced_modulus * np.sqrt(found.real_area / np.pi)
+    assert face.one_spot.ratio == pytest.approx(found.normal / least, rel=1e-9)
+    assert face.one_spot.pressure / face.one_spot.plastic_pressure == pytest.approx(4.0, abs=0.5)
+    sentences = [each for each in study_warnings(case, joint) if each.startswith("Below one spot")]
+    assert len(sentences) == 1  # both faces have the same
+    printed_sentence(sentences[0])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"roughness.mode": "unloading", "roughness.hardness": "1.8 GPa"},
+        {"roughness.law": "persson", "roughness.hardness": "1.8 GPa"},
+        {"roughness.hardness": "0.5 GPa"},
+    ],
+    ids=["enough elastic spots", "unloading", "persson", "fully plastic"],
+)
+def test_laws_with_all_spots_are_not_below_one_spot(changes: dict[str, object]) -> None:
+    case, joint = joint_of(changes)
+    assert not any(each.startswith("Below one spot") for each in study_warnings(case, joint))
 
 
 @pytest.mark.slow

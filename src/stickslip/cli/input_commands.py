@@ -50,6 +50,8 @@ def roughness(
         echo(measured_roughness.contact_message(measured, hardness))
         echo("\nNormal contact stiffness per area of a face of 1 cm2 with the waves of the measurement:")
         print_rows(measured_roughness.stiffness_rows(measured, hardness))
+        for sentence in measured_roughness.one_spot_messages(measured, hardness):
+            echo(f"Warning: {sentence}")
         echo(f"\nFor the study file:\n{lines.rstrip()}")
 
 

@@ -10,10 +10,12 @@ from pathlib import Path
 
 from stickslip.case.case import TwoBladeCase
 from stickslip.contact.stiffness.asperities import fully_plastic_load, log_critical_area
-from stickslip.contact.stiffness.believable import compared
+from stickslip.contact.stiffness.believable import BesideOneSpot, beside_one_spot, compared, fraction
 from stickslip.contact.stiffness.face_stiffness import law_of_roughness, persson_law
+from stickslip.contact.stiffness.fractal import Roughness
 from stickslip.contact.stiffness.measured_lines import Interval
 from stickslip.contact.stiffness.roughness_fit import RoughnessFit, fit_roughness
+from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.core.units import Quantity
@@ -133,6 +135,8 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
         laws = compared(fractal, persson, pressure)
         low, high = (1e-9 * end for end in laws.band)
         beside = f"{1e-9 * laws.chosen:.3g} N/mm3, {laws.ratio:.3g} of it"
+        if below := _below_one_spot(roughness, fractal, pressure):
+            beside += f", {fraction(below.ratio)} of one round spot of its real area"
         table.append(
             (
                 f"{1e-6 * pressure:g} MPa",
@@ -140,6 +144,21 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
             )
         )
     return table
+
+
+def one_spot_messages(measured: MeasuredRoughness, hardness: str | None = None) -> list[str]:
+    """A message if the fractal law of a pressure of :func:`stiffness_rows` is softer than any contact of its area."""
+    case = _case(measured, hardness)
+    roughness = case_roughness(case, *[case_material(case)] * 2)
+    fractal = law_of_roughness(roughness, FACE_AREA, "fractal")
+    found = [below for each in PRESSURES if (below := _below_one_spot(roughness, fractal, each))]
+    return [min(found, key=lambda each: each.ratio).message("the fractal law")] if found else []
+
+
+def _below_one_spot(roughness: Roughness, fractal: StiffnessLaw, pressure: float) -> BesideOneSpot | None:
+    """The fractal law beside one round spot of its real area, if it is below that."""
+    found = beside_one_spot(roughness, fractal, FACE_AREA, pressure)
+    return found if found.is_below else None
 
 
 def require_hardness(text: str) -> None:

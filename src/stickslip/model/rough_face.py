@@ -10,11 +10,12 @@ import numpy as np
 from stickslip.case.case import Case, OwnCase, TwoBladeCase
 from stickslip.case.sections import RoughnessSection
 from stickslip.contact.stiffness.asperities import fully_plastic_load
-from stickslip.contact.stiffness.believable import Believable, compared
+from stickslip.contact.stiffness.believable import Believable, BesideOneSpot, beside_one_spot, compared
 from stickslip.contact.stiffness.face_stiffness import law_of_roughness, persson_law
 from stickslip.contact.stiffness.fractal import (
     ContactStiffness,
     Roughness,
+    StiffnessMode,
     fractal_contact,
     reduced_modulus,
 )
@@ -33,9 +34,11 @@ class RoughFace:
     """Contact stiffness and regime of one rough contact face under its preload."""
 
     stiffness: ContactStiffness  # fractal law, of ``reference_area`` under the mean pressure of the face
+    roughness: Roughness
     statistics: SurfaceStatistics
     reference_area: float  # m2, roughness.reference_area or the area of the face
     law_name: str
+    mode: StiffnessMode  # of the fractal law
     law: StiffnessLaw  # that of the study
     persson: PerssonStiffness
     pressure: float  # Pa, mean
@@ -52,14 +55,23 @@ class RoughFace:
         return self.law_name == "fractal" and self.stiffness.is_least
 
     @cached_property
+    def one_spot(self) -> BesideOneSpot | None:
+        """The law of the study beside one round spot of the real area; None unless it is the sum of elastic spots."""
+        is_sum = self.law_name == "fractal" and self.mode != "unloading" and not self.stiffness.is_least
+        if not is_sum or self.pressure <= 0.0:
+            return None
+        return beside_one_spot(self.roughness, self.law, self.reference_area, self.pressure)
+
+    @cached_property
     def messages(self) -> tuple[str, ...]:
         """Messages on the law of the study under this pressure."""
         if self.believable is None:
             return self.stiffness.messages
         own = self.stiffness.messages if self.law_name == "fractal" else self.law.valid(np.array([self.pressure]))
-        if self.believable.is_inside:
-            return own
-        return (*own, self.believable.message(f'the law "{self.law_name}"'))
+        name = f'the law "{self.law_name}"'
+        outside = () if self.believable.is_inside else (self.believable.message(name),)
+        below = (self.one_spot.message(name),) if self.one_spot is not None and self.one_spot.is_below else ()
+        return (*own, *outside, *below)
 
 
 def rough_face(roughness: Roughness, section: RoughnessSection, area: float, load: float) -> RoughFace:
@@ -69,9 +81,11 @@ def rough_face(roughness: Roughness, section: RoughnessSection, area: float, loa
     waves = waves_of(section)
     return RoughFace(
         fractal_contact(roughness, pressure * reference, mode=section.fractal_mode, area=reference),
+        roughness,
         surface_statistics(roughness, waves.longest, waves.shortest),
         reference,
         section.law,
+        section.fractal_mode,
         law_of_section(roughness, section, area),
         persson_law(roughness, area, section.form_length),
         pressure,

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from rough_faces import MINDLIN, NOMINAL_AREA, rough
+from rough_faces import MINDLIN, NOMINAL_AREA, REDUCED_MODULUS, rough
 from sentences import printed_sentence, rejects
-from stickslip.contact.stiffness.believable import Believable, compared
+from stickslip.contact.stiffness.asperities import fully_plastic_load
+from stickslip.contact.stiffness.believable import Believable, beside_one_spot, compared
 from stickslip.contact.stiffness.face_stiffness import RoughnessLaw, persson_law
 from stickslip.contact.stiffness.fractal import ContactStatus
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
@@ -105,6 +106,24 @@ def test_a_law_without_stiffness_is_not_believable() -> None:
     found = Believable(1.6e6, 0.0, 1e13)
     assert not found.is_inside
     printed_sentence(found.message('the law "fractal"'))
+
+
+@pytest.mark.parametrize("dimension", [2.1, 2.3, 2.6])
+def test_the_sum_of_elastic_spots_is_below_one_spot_up_to_eight_plastic_loads(dimension: float) -> None:
+    """K_n = 2 E* sqrt(A_r/pi) is the least of a contact with the area A_r (docs/theory_roughness.md, section 4)."""
+    face = rough(dimension)
+    plastic = fully_plastic_load(face) / NOMINAL_AREA
+    found = {
+        factor: beside_one_spot(face, FractalStiffness(face, NOMINAL_AREA), NOMINAL_AREA, factor * plastic)
+        for factor in (1.1, 2.0, 7.0, 9.0)
+    }
+    assert [each.is_below for each in found.values()] == [True, True, True, False]
+    assert [found[1.1].ratio, found[2.0].ratio] == pytest.approx([0.032, 0.26], rel=0.2)
+    area = ss.contact_stiffness(face, 2.0 * plastic * NOMINAL_AREA, "consistent").real_area
+    assert found[2.0].one_spot * NOMINAL_AREA == pytest.approx(2 * REDUCED_MODULUS * np.sqrt(area / np.pi), rel=1e-9)
+    assert f"{found[2.0].pressure / found[2.0].plastic_pressure:.3g}" == "2"
+    if dimension == 2.3:
+        printed_sentence(found[2.0].message('the law "fractal"'), "Below one spot", "persson", "unloading")
 
 
 def test_a_constant_stiffness() -> None:

@@ -32,6 +32,7 @@ __all__ = [
     "Roughness",
     "elastic_limits",
     "fractal_contact",
+    "one_spot_stiffness",
     "published_contact",
     "reduced_modulus",
 ]
@@ -121,7 +122,7 @@ def fractal_contact(
     found = published_contact(roughness, load, mode, area)
     if mode == "unloading" or found.status is not ContactStatus.FULLY_PLASTIC:
         return found
-    normal = 2.0 * roughness.reduced_modulus * sqrt(found.real_area / pi)
+    normal = one_spot_stiffness(roughness, found.real_area)
     message = (
         f"{found.messages[0]} The stiffness, {normal:.3g} N/m, is that of one round spot of the real area, "
         "2 E* sqrt(A_r/pi): plastic spots respond elastically to a small oscillation, and no contact of this area is "
@@ -134,6 +135,15 @@ def fractal_contact(
         messages=(message, *found.messages[1:]),
         is_least=True,
     )
+
+
+def one_spot_stiffness(roughness: Roughness, area: float) -> float:
+    """K_n = 2 E* sqrt(A/pi) in N/m of one round spot of ``area`` (m2): no contact of this area is softer.
+
+    Of all contacts with one area the round one has the least capacity, to which the stiffness of a small oscillation is
+    proportional (G. Polya, G. Szego, Isoperimetric Inequalities in Mathematical Physics, Princeton 1951).
+    """
+    return 2.0 * roughness.reduced_modulus * sqrt(area / pi)
 
 
 def published_contact(
