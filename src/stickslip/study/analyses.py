@@ -58,8 +58,13 @@ def forced_curve(
     most_points: int = ContinuationSettings.max_points,
 ) -> ForcedResponse:
     """The forced response over the window of [solver], ``checks`` as :func:`forced_response` has them, with at most so
-    many points and the work of these."""
+    many points and the work of these.
+
+    Without ``checks`` only maxima of the response output get points between others: the tables of many cases have no
+    other output, and a maximum of a damper that moves little costs as much as a peak of the blade.
+    """
     settings, analysis = case.solver, case.analysis
+    rows = np.array(list(model.outputs.values()))
     compiling = "preparation; the first run on a machine compiles the friction law, which takes about a minute"
     listener.update("Response", 0.0, compiling)
     if analysis.search:
@@ -83,9 +88,9 @@ def forced_curve(
         update=settings.update,
         newton=newton,
         continuation=continuation,
-        traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
+        traction_band=rows[0] if analysis.traction_band else None,
         traction_starts=analysis.traction_starts,
-        outputs=np.array(list(model.outputs.values())),
+        outputs=rows if checks else rows[:1],
         checks=checks,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
