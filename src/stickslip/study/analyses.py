@@ -58,13 +58,8 @@ def forced_curve(
     most_points: int = ContinuationSettings.max_points,
 ) -> ForcedResponse:
     """The forced response over the window of [solver], ``checks`` as :func:`forced_response` has them, with at most so
-    many points and the work of these.
-
-    Without ``checks`` only maxima of the response output get points between others: the tables of many cases have no
-    other output, and a maximum of a damper that moves little costs as much as a peak of the blade.
-    """
+    many points and the work of these."""
     settings, analysis = case.solver, case.analysis
-    rows = np.array(list(model.outputs.values()))
     compiling = "preparation; the first run on a machine compiles the friction law, which takes about a minute"
     listener.update("Response", 0.0, compiling)
     if analysis.search:
@@ -88,9 +83,9 @@ def forced_curve(
         update=settings.update,
         newton=newton,
         continuation=continuation,
-        traction_band=rows[0] if analysis.traction_band else None,
+        traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
         traction_starts=analysis.traction_starts,
-        outputs=rows if checks else rows[:1],
+        outputs=np.array(list(model.outputs.values())),
         checks=checks,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
