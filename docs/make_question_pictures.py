@@ -1,6 +1,7 @@
 """Create the pictures of docs/questions.md from the results of its commands.
 
-python docs/make_question_pictures.py FOLDER [BROWSER]    (FOLDER with mode, gradients, design, band, performance, light)
+python docs/make_question_pictures.py FOLDER [BROWSER]
+(FOLDER with mode, gradients, band, performance, light)
 """
 
 import sys
@@ -16,7 +17,6 @@ MOST_HEIGHT = 640  # px; tables below a plot are not in the picture
 CURVES = {"performance": "question_performance.png", "light": "question_performance_light.png"}
 # Page and heading of its section -> name of the picture.
 SECTIONS = {
-    ("design/design.html", "The path"): "question_mass.png",
     ("mode/report.html", "Nonlinear mode"): "question_mode.png",
     ("gradients/report.html", "Which input matters most"): "question_inputs.png",
     ("band/band.html", "Amplitude against frequency"): "question_band.png",
