@@ -1,6 +1,7 @@
 """Create the pictures of docs/questions.md from the results of its commands.
 
-python docs/make_question_pictures.py FOLDER [BROWSER]    (FOLDER with mode, gradients, design, band, performance)
+python docs/make_question_pictures.py FOLDER [BROWSER]
+(FOLDER with mode, gradients, band, performance, light)
 """
 
 import sys
@@ -12,9 +13,10 @@ import stickslip as ss
 
 IMAGES = Path(__file__).parent / "images"
 MOST_HEIGHT = 640  # px; tables below a plot are not in the picture
+# Results -> name of the picture of their performance curve.
+CURVES = {"performance": "question_performance.png", "light": "question_performance_light.png"}
 # Page and heading of its section -> name of the picture.
 SECTIONS = {
-    ("design/design.html", "The path"): "question_mass.png",
     ("mode/report.html", "Nonlinear mode"): "question_mode.png",
     ("gradients/report.html", "Which input matters most"): "question_inputs.png",
     ("band/band.html", "Amplitude against frequency"): "question_band.png",
@@ -23,9 +25,10 @@ SECTIONS = {
 
 def main(folder: str, program: str | None = None) -> None:
     """Write the pictures. ``program`` is a browser; the default is the browser of playwright."""
-    curve = ss.ForcedResponse.load(Path(folder) / "performance" / "results.nc").performance_curve
-    assert curve is not None
-    curve.plot().savefig(IMAGES / "question_performance.png", dpi=120)
+    for name, picture in CURVES.items():
+        curve = ss.ForcedResponse.load(Path(folder) / name / "results.nc").performance_curve
+        assert curve is not None
+        curve.plot().savefig(IMAGES / picture, dpi=120)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])
         page = browser.new_page(viewport={"width": 900, "height": 900})

@@ -60,6 +60,8 @@ def test_the_page_begins_with_its_result_in_words() -> None:
     answer = text[text.index('<div class="answer">') : text.index('<section class="tiles"')]
     assert "The highest peak is 200 µm in the median, and between 110 and 290 µm in 90 % of 32 samples." in answer
     assert "8 of 32 samples do not satisfy peak_amplitude < 0.25 mm; of all structures," in answer
+    kept = html.unescape(page_of(band_statistics(PEAKS, ["peak_amplitude < 1 mm"])))
+    assert "All 32 samples satisfy peak_amplitude < 1 mm; of all structures, up to 10.9 % do not" in kept
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.reporting.design_page import design_page, write_design_page
 from stickslip.reporting.templates import StudyText
-from stickslip.results.design import DesignResult
+from stickslip.results.design import DesignResult, agreement_sentence
 
 PROVENANCE = {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"}
 
@@ -67,11 +67,15 @@ def test_the_sharpness_is_a_line_through_the_optimum_without_failed_designs() ->
 
 def test_the_page_says_what_the_optimum_costs_and_why_designs_failed() -> None:
     text = page_of(design_result())
-    assert "none in the range below, 265 above" in text
-    assert "300 in the study, −43.3 %" in text
+    assert "none in the range below, 265 N above" in text
+    assert "300 µm in the study, −43.3 %" in text
     assert "No result: No &lt;first&gt; point." in text
     assert "A limit is violated by 50 %." in text
     assert "The best design has centrifugal force 235 N: highest peak 170 µm in the worst of 2 load cases" in text
+
+
+def test_one_start_confirms_nothing() -> None:
+    assert agreement_sentence(design_result()).startswith("There was one start only, so a better optimum is possible")
 
 
 def test_a_design_without_an_optimum_has_a_page() -> None:

@@ -37,7 +37,7 @@ def test_files_and_exit_code_of_a_design_that_worked(study: Path, tmp_path: Path
     assert result.stdout.startswith("".join(f"Wrote {out / name}\n" for name in names))
     assert f"  {LIMIT}  3.0" in result.stdout
     assert "Highest peak" in result.stdout
-    assert " starts reach the same optimum" in result.stdout
+    assert "There was one start only" in result.stdout
     again = invoke(study, *options, "--quiet")
     assert (again.exit_code, again.stdout) == (0, "")
 

@@ -107,6 +107,12 @@ def _answer(statistics: BandStatistics) -> Iterator[str]:
         )
     for each in statistics.exceedances:
         least, most = (_percent(end) for end in each.interval)
+        if not each.exceeded and not each.undecided:
+            yield (
+                f"All {each.count} samples satisfy {each.limit.text}; of all structures, up to {most} % do not (95 % "
+                "confidence)."
+            )
+            continue
         yield (
             f"{each.exceeded} of {each.count} samples {'does' if each.exceeded == 1 else 'do'} not satisfy "
             f"{each.limit.text}; of all structures, {least} to "

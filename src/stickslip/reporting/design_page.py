@@ -106,11 +106,11 @@ def _tiles(result: DesignResult) -> Iterator[Tile]:
     more = ""
     if before is not None:
         change = 100.0 * (best.objective / before.objective - 1.0)
-        more = f"{_value(result.measure, before.objective)} in the study, {number(change, 3)} %"
+        more = f"{_with_unit(result.measure, before.objective)} in the study, {number(change, 3)} %"
     unit = plots.SHOWN[result.measure.unit][1]
     yield Tile(result.measure.words, _value(result.measure, best.objective), unit, more)
     for key, value, along in zip(result.keys, best.values, result.sharpness, strict=True):
-        yield Tile(_short(key), number(key.shown(value)), key.unit, f"5 % more at: {_cost(key, along)}")
+        yield Tile(_short(key).capitalize(), number(key.shown(value)), key.unit, f"5 % more at: {_cost(key, along)}")
 
 
 def _value(measure: BandMeasure, value: float) -> str:
@@ -118,10 +118,15 @@ def _value(measure: BandMeasure, value: float) -> str:
     return "–" if math.isnan(value) else shown_number(factor * value, unit)
 
 
+def _with_unit(measure: BandMeasure, value: float) -> str:
+    return f"{_value(measure, value)} {plots.SHOWN[measure.unit][1]}".rstrip()
+
+
 def _cost(key: DesignKey, along: Sharpness) -> str:
     """The values of a key at which the objective is 5 % higher."""
     low, high = (
-        "none in the range" if end is None else f"{number(key.shown(end))}" for end in (along.lower, along.upper)
+        "none in the range" if end is None else f"{number(key.shown(end))} {key.unit}".rstrip()
+        for end in (along.lower, along.upper)
     )
     return f"{low} below, {high} above"
 
@@ -172,8 +177,8 @@ def _start_row(result: DesignResult, place: int, start: StartResult) -> list[str
         str(place + 1),
         _words(result, first),
         _words(result, last),
-        _value(result.measure, first.objective),
-        _value(result.measure, last.objective) + ("" if last.is_allowed else " (limit not satisfied)"),
+        _with_unit(result.measure, first.objective),
+        _with_unit(result.measure, last.objective) + ("" if last.is_allowed else " (limit not satisfied)"),
         agreement or "another optimum",
         start.message,
     ]

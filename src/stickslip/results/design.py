@@ -367,8 +367,10 @@ def agreement_sentence(result: DesignResult) -> str:
     """Number of descents that agree with the best one."""
     count, value = len(result.starts), sum(each.same_value for each in result.starts)
     place = sum(each.same_place for each in result.starts)
+    if count == 1:
+        return "There was one start only, so a better optimum is possible: use more samples and starts."
     words = f"{value} of {count} starts reach the same optimum within {100 * SAME_VALUE:g} % of its value"
     if place < value:
         words += f", {place} of them at the same design"
     warning = " Only one start leads to it, so a better optimum is possible: use more samples and starts."
-    return f"{words}.{warning if value == 1 and count > 1 else ''}"
+    return f"{words}.{warning if value == 1 else ''}"
