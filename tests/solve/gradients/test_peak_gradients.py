@@ -263,3 +263,13 @@ def test_a_pair_that_begins_to_slip_at_the_peak_is_announced(force: float, count
     assert len(sentences) == count
     for sentence in sentences:
         printed_sentence(sentence)
+
+
+def test_all_uncertain_derivatives_stand_in_one_sentence() -> None:
+    superelement, pairs = one_mass(ratio=0.01)
+    base = SolverInput(superelement, pairs, ss.Excitation.force([0.6003]), np.ones(1))
+    (sentence,) = (each for each in gradients(base, (120.0, 150.0)).messages if "uncertain" in each)
+    for words in ("peak amplitude", "friction energy", "tangential stiffness", "friction limit"):
+        assert words in sentence
+    well_inside = replace(base, excitation=ss.Excitation.force([5.0]))
+    assert gradients(well_inside, (120.0, 150.0)).messages == ()

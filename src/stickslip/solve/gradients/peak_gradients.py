@@ -326,7 +326,6 @@ def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], repor
             continue
         differentiated.append(parameter)
         derived.append(derivatives)
-        messages += _doubts(parameter, derivatives, sensitivity.values)
     without = [each.name for each, its in zip(differentiated, derived, strict=True) if not its.value.any()]
     if without:
         messages.append(
@@ -335,7 +334,7 @@ def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], repor
         )
     by = np.array([each.value for each in derived]).reshape(-1, 3).T
     errors = np.array([each.error for each in derived]).reshape(-1, 3).T
-    messages += sensitivity.peak.corners()
+    messages += [*_doubts(differentiated, derived, sensitivity.values), *sensitivity.peak.corners()]
     return PeakGradients(
         names=tuple(each.name for each in differentiated),
         units=tuple(each.unit for each in differentiated),
@@ -347,15 +346,21 @@ def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], repor
     )
 
 
-def _doubts(parameter: Parameter, derived: _Derivatives, values: FloatArray) -> Iterator[str]:
-    """A sentence for each derivative that matters and has a large estimated error."""
-    effect = np.abs(REPORTED_CHANGE * parameter.value * derived.value)
+def _doubts(parameters: Sequence[Parameter], derived: Sequence[_Derivatives], values: FloatArray) -> Iterator[str]:
+    """A sentence on all derivatives that matter and have a large estimated error."""
+    uncertain = []
     for place, name in enumerate(("amplitude", "frequency", "friction energy")):
-        matters = effect[place] > NOTABLE_EFFECT * values[place] > 0.0
-        if matters and derived.error[place] > LARGEST_ERROR * abs(derived.value[place]):
-            yield (
-                f"The derivative of the peak {name} by {parameter.name} is uncertain by about "
-                f"{100.0 * derived.error[place] / abs(derived.value[place]):.0f} %: the contact changes its state "
-                "close to the peak, or large effects cancel. Compute the peak again with a changed value before you "
-                "use it."
-            )
+        by = [
+            f"{parameter.name} ({100.0 * each.error[place] / abs(each.value[place]):.0f} %)"
+            for parameter, each in zip(parameters, derived, strict=True)
+            if abs(REPORTED_CHANGE * parameter.value * each.value[place]) > NOTABLE_EFFECT * values[place] > 0.0
+            and each.error[place] > LARGEST_ERROR * abs(each.value[place])
+        ]
+        if by:
+            uncertain.append(f"of the peak {name} by {', '.join(by)}")
+    if uncertain:
+        yield (
+            f"Derivatives that are uncertain, and by about how much: {'; '.join(uncertain)}. The contact changes its "
+            "state close to the peak, or large effects cancel. Compute the peak again with a changed value before you "
+            "use them."
+        )
