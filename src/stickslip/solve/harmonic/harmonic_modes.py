@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.gain import ComplexArray, adjoint_gain, times_gain, with_gain
-from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
+from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance, MeanDifference, mean_difference
 from stickslip.solve.harmonic.row_products import row_products
 
 IndexArray = NDArray[np.int64]
@@ -165,7 +165,8 @@ class SharedModes:
         self._near_contact = np.ascontiguousarray(contact[:, :near])
         # the modes at the contact of a large joint, one in each row
         self._by_mode = np.ascontiguousarray(contact.T) if len(contact) >= LARGE_ROWS else None
-        self._cached: tuple[bytes, NDArray[Any], NDArray[Any]] | None = None
+        self._cached: tuple[bytes, MeanDifference | FloatArray, NDArray[Any]] | None = None
+        self._difference: tuple[MeanDifference | None] | None = None
 
     def of_force(self, force: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
@@ -208,18 +209,20 @@ class SharedModes:
         # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
         key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS and near.shape[1] < self.contact.shape[1]
         if self._cached is None or self._cached[0] != key:
-            self._cached = (key, *_of_columns(mean_contact, self._far, columns, large))
+            if large:
+                difference = self._mean_difference(mean_contact)
+                mean = mean_contact[:, columns] if difference is None else difference.on(columns)
+                self._cached = (key, mean, self._far.astype(np.float32)[:, columns])
+            else:
+                self._cached = (key, mean_contact[columns], self._far[columns])
         _, mean, far = self._cached
         if large:
             return LargeNewtonCompliance(mean, far, near, near[columns], gain)
+        assert not isinstance(mean, MeanDifference)
         return NewtonCompliance(mean, far, near, near[columns], gain)
 
-
-def _of_columns(
-    mean: FloatArray, far: FloatArray, columns: IndexArray, large: bool
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Some columns of both symmetric matrices: as rows (k, m), or (m, k) for a large joint, the second one in single
-    precision."""
-    if large:
-        return mean[:, columns], far.astype(np.float32)[:, columns]
-    return mean[columns], far[columns]
+    def _mean_difference(self, mean_contact: FloatArray) -> MeanDifference | None:
+        """See :func:`mean_difference`; computed once."""
+        if self._difference is None:
+            self._difference = (mean_difference(mean_contact, self._far),)
+        return self._difference[0]
