@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -149,6 +150,8 @@ class SharedModes:
         number of modes that are not springs in Newton's matrix.
     mean_shapes:
         returns the softest shapes (m, c) of the mean, with the roots of their compliance as lengths.
+    rest:
+        (m, m) m/N, static compliance of modes that are not among these; all of these are then near.
     """
 
     def __init__(
@@ -158,15 +161,24 @@ class SharedModes:
         circular_frequency: FloatArray,
         near: int,
         mean_shapes: Callable[[], FloatArray],
+        rest: FloatArray | None = None,
     ) -> None:
         self.modes, self.contact, self.mean_shapes = modes, np.ascontiguousarray(contact), mean_shapes
-        far = contact[:, near:]
-        self._far = (far / circular_frequency[near:] ** 2) @ far.T
+        self._circular_frequency, self._rest = circular_frequency, rest
         self._near_contact = np.ascontiguousarray(contact[:, :near])
         # the modes at the contact of a large joint, one in each row
-        self._by_mode = np.ascontiguousarray(contact.T) if len(contact) >= LARGE_ROWS else None
+        self._by_mode = np.ascontiguousarray(contact.T) if len(contact) >= LARGE_ROWS and rest is None else None
         self._cached: tuple[bytes, MeanDifference | FloatArray, NDArray[Any]] | None = None
         self._difference: tuple[MeanDifference | None] | None = None
+
+    @cached_property
+    def _far(self) -> FloatArray:
+        """(m, m) static compliance of the modes that are springs in Newton's matrix."""
+        if self._rest is not None:
+            return self._rest
+        near = self._near_contact.shape[1]
+        far = self.contact[:, near:]
+        return np.asarray((far / self._circular_frequency[near:] ** 2) @ far.T)
 
     def of_force(self, force: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
@@ -207,7 +219,8 @@ class SharedModes:
         """See :class:`HarmonicModes`."""
         near = self._near_contact
         # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
-        key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS and near.shape[1] < self.contact.shape[1]
+        has_far = self._rest is not None or near.shape[1] < self.contact.shape[1]
+        key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS and has_far
         if self._cached is None or self._cached[0] != key:
             if large:
                 difference = self._mean_difference(mean_contact)
