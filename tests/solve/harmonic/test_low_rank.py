@@ -148,7 +148,11 @@ def test_products_in_both_precisions(count: int) -> None:
     np.testing.assert_allclose(row_products(single, vectors), vectors @ single.astype(float).T, atol=1e-13)
 
 
-def test_single_precision_is_the_same_compliance(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("many", [0.0, 1.0])  # the matrix contains all columns, or the chosen ones
+def test_single_precision_is_the_same_compliance(
+    balance: Balance, monkeypatch: pytest.MonkeyPatch, many: float
+) -> None:
+    monkeypatch.setattr(harmonic_modes, "MANY_COLUMNS", many)
     outputs, omega = np.arange(3, 11), 2.0 * np.pi * 100.0
 
     double: Any = balance.compliance.newton(omega, outputs)
@@ -157,6 +161,7 @@ def test_single_precision_is_the_same_compliance(balance: Balance, monkeypatch: 
     single: Any = balance.compliance.newton(omega, outputs)
     assert isinstance(single, LargeNewtonCompliance)
     assert single.far_rows.dtype == np.float32
+    assert single.far_rows.shape[1] == (8 if many else balance.rows)
     # of the mean only the part of the far modes is rounded: it may be very soft
     assert isinstance(single.mean_part, MeanDifference)
     far = np.abs(single.far_rows).max()

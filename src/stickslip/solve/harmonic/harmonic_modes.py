@@ -16,7 +16,12 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.gain import ComplexArray, adjoint_gain, times_gain, with_gain
-from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance, MeanDifference, mean_difference
+from stickslip.solve.harmonic.large_newton import (
+    MANY_COLUMNS,
+    LargeNewtonCompliance,
+    MeanDifference,
+    mean_difference,
+)
 from stickslip.solve.harmonic.row_products import row_products
 
 IndexArray = NDArray[np.int64]
@@ -166,8 +171,7 @@ class SharedModes:
         self.modes, self.contact, self.mean_shapes = modes, np.ascontiguousarray(contact), mean_shapes
         self._circular_frequency, self._rest = circular_frequency, rest
         self._near_contact = np.ascontiguousarray(contact[:, :near])
-        # the modes at the contact of a large joint, one in each row
-        self._by_mode = np.ascontiguousarray(contact.T) if len(contact) >= LARGE_ROWS and rest is None else None
+        self._many_rows = len(contact) >= LARGE_ROWS and rest is None
         self._cached: tuple[bytes, MeanDifference | FloatArray, NDArray[Any]] | None = None
         self._difference: tuple[MeanDifference | None] | None = None
 
@@ -180,6 +184,15 @@ class SharedModes:
         far = self.contact[:, near:]
         return np.asarray((far / self._circular_frequency[near:] ** 2) @ far.T)
 
+    @cached_property
+    def _single_far(self) -> NDArray[np.float32]:
+        return np.ascontiguousarray(self._far, dtype=np.float32)
+
+    @cached_property
+    def _by_mode(self) -> FloatArray:
+        """(n, m) modes at the contact, one in each row."""
+        return np.ascontiguousarray(self.contact.T)
+
     def of_force(self, force: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
         return np.asarray(force @ self.modes)
@@ -189,13 +202,13 @@ class SharedModes:
         columns = np.flatnonzero(force.any(axis=0))
         if 2 * columns.size < force.shape[1]:
             return np.asarray(force[:, columns] @ self.contact[columns])
-        if self._by_mode is not None:
+        if self._many_rows:
             return row_products(self._by_mode, force)
         return np.asarray(force @ self.contact)
 
     def relative(self, amplitude: FloatArray, out: FloatArray) -> None:
         """See :class:`HarmonicModes`."""
-        if self._by_mode is not None:
+        if self._many_rows:
             out[...] = row_products(self.contact, amplitude)
         else:
             np.matmul(amplitude, self.contact.T, out=out)
@@ -225,12 +238,13 @@ class SharedModes:
             if large:
                 difference = self._mean_difference(mean_contact)
                 mean = mean_contact[:, columns] if difference is None else difference.on(columns)
-                self._cached = (key, mean, self._far.astype(np.float32)[:, columns])
+                many = columns.size > MANY_COLUMNS * len(mean_contact)
+                self._cached = (key, mean, self._single_far if many else self._single_far[:, columns])
             else:
                 self._cached = (key, mean_contact[columns], self._far[columns])
         _, mean, far = self._cached
         if large:
-            return LargeNewtonCompliance(mean, far, near, near[columns], gain)
+            return LargeNewtonCompliance(mean, far, columns, near, near[columns], gain)
         assert not isinstance(mean, MeanDifference)
         return NewtonCompliance(mean, far, near, near[columns], gain)
 

@@ -29,6 +29,8 @@ SingleArray = NDArray[np.float32]
 IndexArray = NDArray[np.int64]
 
 
+# chosen: with more columns than this share of all, products with all of them cost less than to take these out.
+MANY_COLUMNS = 0.5
 # chosen: shapes of the difference; and the largest eigenvalue beside them, over that of the far modes, whose own
 # neglected inertia is as large. 440 pairs, of which none lacks springs on the mean: 18 are above it.
 DIFFERENCE_SHAPES = 60
@@ -67,11 +69,14 @@ def mean_difference(mean: FloatArray, far: FloatArray) -> MeanDifference | None:
 class LargeNewtonCompliance:
     """``A`` of modes that all harmonics share, see :class:`stickslip.solve.harmonic.harmonic_modes.NewtonOperator`.
 
-    The mean is the far compliance and a difference, or a matrix ``mean_rows`` (m, k).
+    The mean is the far compliance and a difference, or a matrix (m, k). The static compliance ``far_rows`` of the far
+    modes contains ``columns`` alone (m, k), or all of them (m, m) where that costs less than to take them out, which
+    each change of a contact state requires again.
     """
 
     mean_part: MeanDifference | FloatArray
-    far_rows: SingleArray  # (m, k) static compliance of the far modes
+    far_rows: SingleArray
+    columns: IndexArray
     left: FloatArray  # (m, p) near modes at all rows
     right: FloatArray  # (k, p) near modes at the columns
     gain: ComplexArray  # (H, p) or (H, p, p)
@@ -80,24 +85,24 @@ class LargeNewtonCompliance:
     def mean(self) -> FloatArray:
         """(k, m) A of the mean."""
         if isinstance(self.mean_part, MeanDifference):
-            return np.asarray(self.far_rows.T + self.mean_part.right @ self.mean_part.left.T)
+            return np.asarray(self._far_columns().T + self.mean_part.right @ self.mean_part.left.T)
         return self.mean_part.T
 
     def apply(self, deviation: FloatArray) -> FloatArray:
         """A @ deviation: (2H+1, m) from (2H+1, k)."""
         near = times_gain(self.gain, deviation[1:] @ self.right) @ self.left.T
         if isinstance(self.mean_part, MeanDifference):
-            answer = row_products(self.far_rows, deviation)
+            answer = self._of_far(deviation)
             answer[0] += self.mean_part.left @ (deviation[0] @ self.mean_part.right)
             answer[1:] += near
             return answer
-        return np.vstack(
-            [row_products(self.mean_part, deviation[:1]), near + row_products(self.far_rows, deviation[1:])]
-        )
+        return np.vstack([row_products(self.mean_part, deviation[:1]), near + self._of_far(deviation[1:])])
 
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
         answer = np.asarray(weights.astype(np.float32) @ self.far_rows, dtype=float)
+        if self._is_whole:
+            answer = answer[:, self.columns]
         if isinstance(self.mean_part, MeanDifference):
             answer[0] += self.mean_part.right @ (weights[0] @ self.mean_part.left)
         else:
@@ -107,4 +112,20 @@ class LargeNewtonCompliance:
 
     def block(self, order: int, rows: IndexArray) -> ComplexArray:
         """``A_h`` (rows, k) of harmonic ``order`` >= 1."""
-        return with_gain(self.gain[order - 1], self.left[rows], self.right) + self.far_rows[rows]
+        return with_gain(self.gain[order - 1], self.left[rows], self.right) + self._far_columns(rows)
+
+    @property
+    def _is_whole(self) -> bool:
+        return self.far_rows.shape[1] != self.columns.size
+
+    def _of_far(self, deviation: FloatArray) -> FloatArray:
+        """(c, m) displacements of the far modes under deviations (c, k)."""
+        if not self._is_whole:
+            return row_products(self.far_rows, deviation)
+        wide = np.zeros((len(deviation), self.far_rows.shape[1]))
+        wide[:, self.columns] = deviation
+        return row_products(self.far_rows, wide)
+
+    def _far_columns(self, rows: IndexArray | slice = slice(None)) -> SingleArray:
+        """(rows, k) of the far compliance."""
+        return self.far_rows[rows][:, self.columns] if self._is_whole else self.far_rows[rows]
