@@ -10,13 +10,17 @@ import pytest
 from helpers import Blade
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic import kept_modes
+from stickslip.solve.harmonic import harmonic_modes, kept_modes, reduced
 from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.curves import FrequencyCurve
 from stickslip.solve.harmonic.kept_modes import KeptBalance
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Plane
 from stickslip.solve.setting_up import Balances, prepare_balances
 
 RNG = np.random.default_rng(8)
 HARMONICS = 3
+LOAD = 30.0  # times the force of the blade: pairs slip and separate far from its resonance
 
 
 @pytest.fixture
@@ -76,6 +80,33 @@ def test_the_response_to_the_force_keeps_the_first_order_of_inertia(
         errors.append(float(np.linalg.norm(found - exact) / np.linalg.norm(exact)))
     assert errors[1] < 1e-3
     assert errors[0] < errors[1] / 10.0 or errors[0] < 1e-11  # the fourth power: 16
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("large", [False, True])
+def test_solutions_satisfy_the_balance_with_all_modes(
+    balances: Balances, monkeypatch: pytest.MonkeyPatch, large: bool
+) -> None:
+    """In slip and separation too, to the share of inertia in the other modes."""
+    if large:
+        for module in (harmonic_modes, reduced):
+            monkeypatch.setattr(module, "LARGE_ROWS", 1)
+        monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    errors, first_mode = [], float(balances.stuck.circular_frequency[0])
+    for count in (14, 24):
+        whole, kept, first_other = with_range(balances, monkeypatch, count)
+        curve = FrequencyCurve(kept, LOAD)
+        for share in (0.43, 0.71):
+            start = curve.at(kept.linear(share * first_mode, LOAD), share * first_mode)
+            plane = Plane.fixed(start.unknowns, share * first_mode)
+            correction = Newton(curve, NewtonSettings()).correct(start, plane)
+            assert correction.converged
+            trial = correction.point.trial
+            assert trial.contact.moves.any()
+            exact = whole.evaluate(trial.relative, trial.omega, LOAD)
+            errors.append(exact.error / (HARMONICS * trial.omega / first_other) ** 2)
+            assert exact.error < 1e-2
+    assert max(errors) < 1.0, errors
 
 
 def test_displacements_contain_all_modes(balances: Balances, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -156,7 +156,6 @@ def test_single_precision_is_the_same_compliance(
     outputs, omega = np.arange(3, 11), 2.0 * np.pi * 100.0
 
     double: Any = balance.compliance.newton(omega, outputs)
-    balance.compliance._modes._cached = None  # type: ignore[attr-defined]
     monkeypatch.setattr(harmonic_modes, "LARGE_ROWS", 1)
     single: Any = balance.compliance.newton(omega, outputs)
     assert isinstance(single, LargeNewtonCompliance)

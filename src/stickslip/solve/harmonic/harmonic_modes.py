@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,6 +157,8 @@ class SharedModes:
         returns the softest shapes (m, c) of the mean, with the roots of their compliance as lengths.
     rest:
         (m, m) m/N, static compliance of modes that are not among these; all of these are then near.
+    difference:
+        what the mean has beside the compliance of the modes that are not near, if it is known.
     """
 
     def __init__(
@@ -167,13 +169,15 @@ class SharedModes:
         near: int,
         mean_shapes: Callable[[], FloatArray],
         rest: FloatArray | None = None,
+        difference: MeanDifference | None = None,
     ) -> None:
         self.modes, self.contact, self.mean_shapes = modes, np.ascontiguousarray(contact), mean_shapes
         self._circular_frequency, self._rest = circular_frequency, rest
         self._near_contact = np.ascontiguousarray(contact[:, :near])
         self._many_rows = len(contact) >= LARGE_ROWS and rest is None
-        self._cached: tuple[bytes, MeanDifference | FloatArray, NDArray[Any]] | None = None
-        self._difference: tuple[MeanDifference | None] | None = None
+        self._cached: tuple[bytes, FloatArray, FloatArray] | None = None
+        self._large: tuple[bytes, MeanDifference | FloatArray, NDArray[np.float32]] | None = None
+        self._difference: tuple[MeanDifference | None] | None = None if difference is None else (difference,)
 
     @cached_property
     def _far(self) -> FloatArray:
@@ -232,20 +236,18 @@ class SharedModes:
         """See :class:`HarmonicModes`."""
         near = self._near_contact
         # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
-        has_far = self._rest is not None or near.shape[1] < self.contact.shape[1]
-        key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS and has_far
-        if self._cached is None or self._cached[0] != key:
-            if large:
+        has_far, key = self._rest is not None or near.shape[1] < self.contact.shape[1], columns.tobytes()
+        if len(mean_contact) >= LARGE_ROWS and has_far:
+            if self._large is None or self._large[0] != key:
                 difference = self._mean_difference(mean_contact)
-                mean = mean_contact[:, columns] if difference is None else difference.on(columns)
+                part = mean_contact[:, columns] if difference is None else difference.on(columns)
                 many = columns.size > MANY_COLUMNS * len(mean_contact)
-                self._cached = (key, mean, self._single_far if many else self._single_far[:, columns])
-            else:
-                self._cached = (key, mean_contact[columns], self._far[columns])
+                self._large = key, part, self._single_far if many else self._single_far[:, columns]
+            _, part, single = self._large
+            return LargeNewtonCompliance(part, single, columns, near, near[columns], gain)
+        if self._cached is None or self._cached[0] != key:
+            self._cached = key, mean_contact[columns], self._far[columns]
         _, mean, far = self._cached
-        if large:
-            return LargeNewtonCompliance(mean, far, columns, near, near[columns], gain)
-        assert not isinstance(mean, MeanDifference)
         return NewtonCompliance(mean, far, near, near[columns], gain)
 
     def _mean_difference(self, mean_contact: FloatArray) -> MeanDifference | None:

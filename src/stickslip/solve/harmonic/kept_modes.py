@@ -30,6 +30,7 @@ from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import Compliance, StuckStructure
 from stickslip.solve.harmonic.gain import DiagonalGain
 from stickslip.solve.harmonic.harmonic_modes import LARGE_ROWS, SharedModes
+from stickslip.solve.harmonic.large_newton import MeanDifference
 from stickslip.solve.harmonic.row_products import row_products
 
 # chosen: modes up to this multiple of the highest excitation keep their inertia (440 pairs: 139 of 1365). It must
@@ -109,8 +110,10 @@ class KeptCompliance(Compliance):
 
     def __init__(self, stuck: StuckStructure, kept: KeptModes, harmonics: int) -> None:
         gain = DiagonalGain(kept.circular_frequency, kept.damping, harmonics, kept.circular_frequency.size)
+        near = gain.near_modes
+        of_mean = MeanDifference(kept.contact / kept.circular_frequency**2, kept.contact) if kept.same_mean else None
         modes = SharedModes(
-            kept.shapes, kept.contact, kept.circular_frequency, gain.near_modes, lambda: stuck.mean_shapes, kept.rest
+            kept.shapes, kept.contact, kept.circular_frequency, near, lambda: stuck.mean_shapes, kept.rest, of_mean
         )
         super().__init__(stuck, modes, gain)
         self._kept = kept

@@ -116,7 +116,7 @@ class LargeNewtonCompliance:
 
     @property
     def _is_whole(self) -> bool:
-        return self.far_rows.shape[1] != self.columns.size
+        return int(self.far_rows.shape[1]) != self.columns.size
 
     def _of_far(self, deviation: FloatArray) -> FloatArray:
         """(c, m) displacements of the far modes under deviations (c, k)."""
