@@ -240,9 +240,10 @@ class SharedModes:
         if len(mean_contact) >= LARGE_ROWS and has_far:
             if self._large is None or self._large[0] != key:
                 difference = self._mean_difference(mean_contact)
-                part = mean_contact[:, columns] if difference is None else difference.on(columns)
+                part = np.take(mean_contact, columns, axis=1) if difference is None else difference.on(columns)
+                # np.take: indices of columns would give an array of columns, whose rows are slow to read
                 many = columns.size > MANY_COLUMNS * len(mean_contact)
-                self._large = key, part, self._single_far if many else self._single_far[:, columns]
+                self._large = key, part, self._single_far if many else np.take(self._single_far, columns, axis=1)
             _, part, single = self._large
             return LargeNewtonCompliance(part, single, columns, near, near[columns], gain)
         if self._cached is None or self._cached[0] != key:

@@ -125,10 +125,9 @@ class KeptCompliance(Compliance):
         np.matmul(amplitude, kept.contact.T, out=answer[1:])
         if not deviation.any():
             answer[0] = 0.0
-        elif kept.same_mean:
-            answer[0] = -(kept.contact @ ((deviation[0] @ kept.contact) / kept.circular_frequency**2))
-            answer -= self._of_rest(deviation)
         else:
+            # Not from the modes: the frequency of a soft one has the round-off of the fastest, and a body that walks
+            # multiplies it (440 pairs: 1e-8 of the residual, 2e-7 of the vibration).
             answer[0] = -self.mean_relative(deviation[0])
             answer[1:] -= self._of_rest(deviation[1:])
         return answer
