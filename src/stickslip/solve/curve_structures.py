@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import Any, Protocol
 
@@ -78,10 +78,11 @@ class _Structure:
         return checked_band_output(pairs, row, self.superelement.size)
 
     def balances(self, given: CurveInput, on_stage: Callable[[str], None]) -> CurveBalances:
-        return prepare_balances(
+        balances = prepare_balances(
             self.superelement, given.pairs, given.excitation, given.highest_omega, given.harmonics, given.samples,
             given.modal_damping_ratio, given.update, on_stage,
         )  # fmt: skip
+        return replace(balances, few_modes=True)
 
 
 @curve_structure.register(CyclicSector)

@@ -28,6 +28,7 @@ from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.damping import DAMPED_RANGE
 from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
+from stickslip.solve.harmonic.kept_modes import KeptBalance, KeptCompliance, KeptModes, kept_modes
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
 from stickslip.solve.harmonic.operator_products import times
 from stickslip.solve.harmonic.resonances import Resonances
@@ -135,6 +136,9 @@ class Balances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
+    few_modes: bool = (
+        False  # a large joint has the balances of its softest modes (:mod:`stickslip.solve.harmonic.kept_modes`)
+    )
     no_static_mode: ClassVar[str] = ""
 
     @property
@@ -183,8 +187,7 @@ class Balances:
 
     def vibration_of(self, outputs: FloatArray) -> Vibration:
         """The outputs (k, n) of vibrations, without the unknowns, whose number is many times that of the outputs."""
-        shapes = self.stuck.modes.T @ outputs.T
-        return lambda balance, amplitude: np.asarray(amplitude @ shapes)
+        return lambda balance, amplitude: np.asarray(amplitude @ balance.compliance.output_modes(outputs).T)
 
     def landmarks(self) -> Resonances:
         """The natural frequencies that the force excites."""
@@ -207,7 +210,14 @@ class Balances:
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
-        return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
+        whole = Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
+        if self._kept is None:
+            return whole
+        return KeptBalance(whole, KeptCompliance(self.stuck, self._kept, harmonics))
+
+    @cached_property
+    def _kept(self) -> KeptModes | None:
+        return kept_modes(self.stuck, self.force) if self.few_modes else None
 
     def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability:
         """See :func:`curve_stability`; the verdicts are confirmed with more harmonics."""
@@ -220,8 +230,8 @@ class Balances:
         return MotionInTime(matrices, self.pairs, self.force)
 
     def of_structure(self) -> Balances:
-        """These balances, for analyses that require the matrices of a structure."""
-        return self
+        """These balances with all modes, for analyses that require the matrices of a structure."""
+        return replace(self, few_modes=False)
 
     def exact(self, harmonics: int, samples: int) -> Balance:
         """The balance whose Newton matrix contains all modes, as adjoint solutions require."""

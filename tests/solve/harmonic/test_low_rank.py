@@ -11,11 +11,11 @@ import pytest
 from helpers import Blade
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic import harmonic_modes, local_inverse, reduced
+from stickslip.solve.harmonic import harmonic_modes, large_newton, local_inverse, reduced
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.factors import iterated
 from stickslip.solve.harmonic.harmonic_modes import LocalCompliance, NewtonCompliance
-from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
+from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance, MeanDifference, mean_difference
 from stickslip.solve.harmonic.low_rank import LowRankInverse
 from stickslip.solve.harmonic.reduced import NewtonSystem
 from stickslip.solve.harmonic.row_products import VECTORS, row_products
@@ -148,17 +148,23 @@ def test_products_in_both_precisions(count: int) -> None:
     np.testing.assert_allclose(row_products(single, vectors), vectors @ single.astype(float).T, atol=1e-13)
 
 
-def test_single_precision_is_the_same_compliance(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("many", [0.0, 1.0])  # the matrix contains all columns, or the chosen ones
+def test_single_precision_is_the_same_compliance(
+    balance: Balance, monkeypatch: pytest.MonkeyPatch, many: float
+) -> None:
+    monkeypatch.setattr(harmonic_modes, "MANY_COLUMNS", many)
     outputs, omega = np.arange(3, 11), 2.0 * np.pi * 100.0
 
     double: Any = balance.compliance.newton(omega, outputs)
-    balance.compliance._modes._cached = None  # type: ignore[attr-defined]
     monkeypatch.setattr(harmonic_modes, "LARGE_ROWS", 1)
     single: Any = balance.compliance.newton(omega, outputs)
     assert isinstance(single, LargeNewtonCompliance)
     assert single.far_rows.dtype == np.float32
-    # the mean has double precision: it may be very soft
-    np.testing.assert_allclose(single.mean, double.mean, atol=1e-13 * np.abs(double.mean).max())
+    assert single.far_rows.shape[1] == (8 if many else balance.rows)
+    # of the mean only the part of the far modes is rounded: it may be very soft
+    assert isinstance(single.mean_part, MeanDifference)
+    far = np.abs(single.far_rows).max()
+    np.testing.assert_allclose(single.mean, double.mean, atol=1e-3 * far)
     deviation, weights = RNG.standard_normal((7, 8)), RNG.standard_normal((7, balance.rows))
     rows = np.arange(5)
     for actual, expected in (
@@ -168,3 +174,23 @@ def test_single_precision_is_the_same_compliance(balance: Balance, monkeypatch: 
         (single.mean, double.mean),
     ):
         np.testing.assert_allclose(actual, expected, atol=1e-5 * np.abs(expected).max())
+
+
+def test_a_mean_that_differs_in_many_shapes_keeps_its_matrix(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(harmonic_modes, "LARGE_ROWS", 1)
+    monkeypatch.setattr(large_newton, "DIFFERENCE_SHAPES", 2)
+    outputs, deviation = np.arange(3, 11), RNG.standard_normal((7, 8))
+    whole: Any = balance.compliance.newton(2.0 * np.pi * 100.0, outputs)
+    assert not isinstance(whole.mean_part, MeanDifference)
+    mean = balance.compliance._mean_contact
+    np.testing.assert_allclose(whole.mean, mean[outputs], atol=1e-12 * mean.max())
+    of_mean = deviation[0] @ whole.mean
+    np.testing.assert_allclose(whole.apply(deviation)[0], of_mean, atol=1e-13 * np.abs(of_mean).max())
+
+
+def test_the_difference_of_two_compliances_is_their_soft_shapes() -> None:
+    shapes, far = RNG.standard_normal((90, 3)), np.diag(np.linspace(0.5, 1.0, 90))
+    found = mean_difference(far + shapes @ shapes.T, far)
+    assert found is not None
+    np.testing.assert_allclose(found.left @ found.right.T, shapes @ shapes.T, atol=1e-6)
+    assert mean_difference(2.0 * far, far) is None

@@ -8,14 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.gain import ComplexArray, adjoint_gain, times_gain, with_gain
-from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance
+from stickslip.solve.harmonic.large_newton import (
+    MANY_COLUMNS,
+    LargeNewtonCompliance,
+    MeanDifference,
+    mean_difference,
+)
 from stickslip.solve.harmonic.row_products import row_products
 
 IndexArray = NDArray[np.int64]
@@ -149,6 +155,10 @@ class SharedModes:
         number of modes that are not springs in Newton's matrix.
     mean_shapes:
         returns the softest shapes (m, c) of the mean, with the roots of their compliance as lengths.
+    rest:
+        (m, m) m/N, static compliance of modes that are not among these; all of these are then near.
+    difference:
+        what the mean has beside the compliance of the modes that are not near, if it is known.
     """
 
     def __init__(
@@ -158,14 +168,34 @@ class SharedModes:
         circular_frequency: FloatArray,
         near: int,
         mean_shapes: Callable[[], FloatArray],
+        rest: FloatArray | None = None,
+        difference: MeanDifference | None = None,
     ) -> None:
         self.modes, self.contact, self.mean_shapes = modes, np.ascontiguousarray(contact), mean_shapes
-        far = contact[:, near:]
-        self._far = (far / circular_frequency[near:] ** 2) @ far.T
+        self._circular_frequency, self._rest = circular_frequency, rest
         self._near_contact = np.ascontiguousarray(contact[:, :near])
-        # the modes at the contact of a large joint, one in each row
-        self._by_mode = np.ascontiguousarray(contact.T) if len(contact) >= LARGE_ROWS else None
-        self._cached: tuple[bytes, NDArray[Any], NDArray[Any]] | None = None
+        self._many_rows = len(contact) >= LARGE_ROWS and rest is None
+        self._cached: tuple[bytes, FloatArray, FloatArray] | None = None
+        self._large: tuple[bytes, MeanDifference | FloatArray, NDArray[np.float32]] | None = None
+        self._difference: tuple[MeanDifference | None] | None = None if difference is None else (difference,)
+
+    @cached_property
+    def _far(self) -> FloatArray:
+        """(m, m) static compliance of the modes that are springs in Newton's matrix."""
+        if self._rest is not None:
+            return self._rest
+        near = self._near_contact.shape[1]
+        far = self.contact[:, near:]
+        return np.asarray((far / self._circular_frequency[near:] ** 2) @ far.T)
+
+    @cached_property
+    def _single_far(self) -> NDArray[np.float32]:
+        return np.ascontiguousarray(self._far, dtype=np.float32)
+
+    @cached_property
+    def _by_mode(self) -> FloatArray:
+        """(n, m) modes at the contact, one in each row."""
+        return np.ascontiguousarray(self.contact.T)
 
     def of_force(self, force: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
@@ -176,13 +206,13 @@ class SharedModes:
         columns = np.flatnonzero(force.any(axis=0))
         if 2 * columns.size < force.shape[1]:
             return np.asarray(force[:, columns] @ self.contact[columns])
-        if self._by_mode is not None:
+        if self._many_rows:
             return row_products(self._by_mode, force)
         return np.asarray(force @ self.contact)
 
     def relative(self, amplitude: FloatArray, out: FloatArray) -> None:
         """See :class:`HarmonicModes`."""
-        if self._by_mode is not None:
+        if self._many_rows:
             out[...] = row_products(self.contact, amplitude)
         else:
             np.matmul(amplitude, self.contact.T, out=out)
@@ -206,20 +236,23 @@ class SharedModes:
         """See :class:`HarmonicModes`."""
         near = self._near_contact
         # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
-        key, large = columns.tobytes(), len(mean_contact) >= LARGE_ROWS and near.shape[1] < self.contact.shape[1]
+        has_far, key = self._rest is not None or near.shape[1] < self.contact.shape[1], columns.tobytes()
+        if len(mean_contact) >= LARGE_ROWS and has_far:
+            if self._large is None or self._large[0] != key:
+                difference = self._mean_difference(mean_contact)
+                part = np.take(mean_contact, columns, axis=1) if difference is None else difference.on(columns)
+                # np.take: indices of columns would give an array of columns, whose rows are slow to read
+                many = columns.size > MANY_COLUMNS * len(mean_contact)
+                self._large = key, part, self._single_far if many else np.take(self._single_far, columns, axis=1)
+            _, part, single = self._large
+            return LargeNewtonCompliance(part, single, columns, near, near[columns], gain)
         if self._cached is None or self._cached[0] != key:
-            self._cached = (key, *_of_columns(mean_contact, self._far, columns, large))
+            self._cached = key, mean_contact[columns], self._far[columns]
         _, mean, far = self._cached
-        if large:
-            return LargeNewtonCompliance(mean, far, near, near[columns], gain)
         return NewtonCompliance(mean, far, near, near[columns], gain)
 
-
-def _of_columns(
-    mean: FloatArray, far: FloatArray, columns: IndexArray, large: bool
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Some columns of both symmetric matrices: as rows (k, m), or (m, k) for a large joint, the second one in single
-    precision."""
-    if large:
-        return mean[:, columns], far.astype(np.float32)[:, columns]
-    return mean[columns], far[columns]
+    def _mean_difference(self, mean_contact: FloatArray) -> MeanDifference | None:
+        """See :func:`mean_difference`; computed once."""
+        if self._difference is None:
+            self._difference = (mean_difference(mean_contact, self._far),)
+        return self._difference[0]

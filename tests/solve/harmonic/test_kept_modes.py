@@ -1,0 +1,132 @@
+"""The balance with the softest modes of a joint: what it keeps exactly, and the bound of what it neglects."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from helpers import Blade
+from stickslip.core.validation import FloatArray
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic import harmonic_modes, kept_modes, reduced
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.curves import FrequencyCurve
+from stickslip.solve.harmonic.kept_modes import KeptBalance
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Plane
+from stickslip.solve.setting_up import Balances, prepare_balances
+
+RNG = np.random.default_rng(8)
+HARMONICS = 3
+LOAD = 30.0  # times the force of the blade: pairs slip and separate far from its resonance
+
+
+@pytest.fixture
+def balances(blade: Blade) -> Balances:
+    force = Excitation.force(blade.force_cos, blade.force_sin)
+    highest = 2.0 * np.pi * max(blade.window_hz)
+    undamped = replace(blade.superelement, damping=None)
+    return prepare_balances(undamped, blade.pairs, force, highest, HARMONICS, 128, None, "tractrix", lambda _: None)
+
+
+def with_range(balances: Balances, monkeypatch: pytest.MonkeyPatch, count: int) -> tuple[Balance, Balance, float]:
+    """The balance with all modes, that with ``count`` kept ones, and the frequency of the first other one."""
+    frequency = balances.stuck.circular_frequency
+    monkeypatch.setattr(kept_modes, "LARGE_ROWS", 1)
+    monkeypatch.setattr(kept_modes, "MOST_KEPT", 1.0)
+    monkeypatch.setattr(kept_modes, "KEPT_RANGE", float(frequency[count - 1] * 1.0001 / balances.stuck.highest_omega))
+    whole, kept = balances.with_harmonics(HARMONICS), replace(balances, few_modes=True).with_harmonics(HARMONICS)
+    assert isinstance(kept, KeptBalance)
+    assert not isinstance(whole, KeptBalance)
+    return whole, kept, float(frequency[count])
+
+
+def random_deviation(balance: Balance) -> FloatArray:
+    return RNG.standard_normal((2 * HARMONICS + 1, balance.rows))
+
+
+@pytest.mark.parametrize("count", [6, 12])
+def test_only_the_inertia_of_far_modes_is_neglected(
+    balances: Balances, monkeypatch: pytest.MonkeyPatch, count: int
+) -> None:
+    whole, kept, first_other = with_range(balances, monkeypatch, count)
+    deviation, omega = random_deviation(whole), balances.stuck.highest_omega
+    answers = []
+    for balance in (whole, kept):
+        amplitude = balance.compliance.amplitude(omega, None, deviation)
+        answers.append(balance.compliance.relative(amplitude, deviation))
+    far = balances.stuck.contact_modes[:, count:] / balances.stuck.circular_frequency[count:]
+    static = np.linalg.norm(far, 2) ** 2
+    np.testing.assert_allclose(answers[1][0], answers[0][0], atol=1e-9 * np.abs(answers[0][0]).max())
+    for order in range(1, HARMONICS + 1):
+        rows = slice(2 * order - 1, 2 * order + 1)
+        ratio = (order * omega / first_other) ** 2
+        assert ratio < 0.5
+        difference = float(np.linalg.norm(answers[1][rows] - answers[0][rows]))
+        assert difference <= 1.01 * ratio / (1.0 - ratio) * static * np.linalg.norm(deviation[rows])
+        assert difference > 0.0
+
+
+def test_the_response_to_the_force_keeps_the_first_order_of_inertia(
+    balances: Balances, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, kept, first_other = with_range(balances, monkeypatch, 6)
+    errors = []
+    for share in (0.1, 0.2):
+        omega = share * first_other / HARMONICS
+        exact, found = whole.linear(omega), kept.linear(omega)
+        errors.append(float(np.linalg.norm(found - exact) / np.linalg.norm(exact)))
+    assert errors[1] < 1e-3
+    assert errors[0] < errors[1] / 10.0 or errors[0] < 1e-11  # the fourth power: 16
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("large", [False, True])
+def test_solutions_satisfy_the_balance_with_all_modes(
+    balances: Balances, monkeypatch: pytest.MonkeyPatch, large: bool
+) -> None:
+    """In slip and separation too, to the share of inertia in the other modes."""
+    if large:
+        for module in (harmonic_modes, reduced):
+            monkeypatch.setattr(module, "LARGE_ROWS", 1)
+        monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    errors, first_mode = [], float(balances.stuck.circular_frequency[0])
+    for count in (14, 24):
+        whole, kept, first_other = with_range(balances, monkeypatch, count)
+        curve = FrequencyCurve(kept, LOAD)
+        for share in (0.43, 0.71):
+            start = curve.at(kept.linear(share * first_mode, LOAD), share * first_mode)
+            plane = Plane.fixed(start.unknowns, share * first_mode)
+            correction = Newton(curve, NewtonSettings()).correct(start, plane)
+            assert correction.converged
+            trial = correction.point.trial
+            assert trial.contact.moves.any()
+            exact = whole.evaluate(trial.relative, trial.omega, LOAD)
+            errors.append(exact.error / (HARMONICS * trial.omega / first_other) ** 2)
+            assert exact.error < 1e-2
+    assert max(errors) < 1.0, errors
+
+
+def test_displacements_contain_all_modes(balances: Balances, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, kept, _ = with_range(balances, monkeypatch, 12)
+    omega = balances.stuck.highest_omega
+    relative = whole.linear(omega)
+    trials = [balance.evaluate(relative, omega) for balance in (whole, kept)]
+    np.testing.assert_array_equal(trials[0].deviation, trials[1].deviation)
+    shape = trials[0].amplitude.shape
+    assert trials[1].amplitude.shape[1] < shape[1]
+    np.testing.assert_array_equal(whole.displacement(trials[:1]), kept.displacement(trials[1:]))
+
+
+def test_joints_of_few_rows_and_analyses_of_outputs_have_all_modes(
+    balances: Balances, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    few = replace(balances, few_modes=True)
+    assert not isinstance(few.with_harmonics(HARMONICS), KeptBalance)
+    monkeypatch.setattr(kept_modes, "LARGE_ROWS", 1)
+    monkeypatch.setattr(kept_modes, "MOST_KEPT", 1.0)
+    assert not isinstance(few.of_structure().with_harmonics(HARMONICS), KeptBalance)
+    monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.0)
+    assert not isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
