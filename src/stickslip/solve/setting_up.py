@@ -136,9 +136,8 @@ class Balances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
-    few_modes: bool = (
-        False  # a large joint has the balances of its softest modes (:mod:`stickslip.solve.harmonic.kept_modes`)
-    )
+    # A large joint has the balances of its softest modes (:mod:`stickslip.solve.harmonic.kept_modes`).
+    few_modes: bool = False
     no_static_mode: ClassVar[str] = ""
 
     @property
