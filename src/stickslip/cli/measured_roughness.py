@@ -127,8 +127,7 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
 
     Raises InputError for a fit without D and G.
     """
-    case = _case(measured, hardness)
-    roughness = case_roughness(case, *[case_material(case)] * 2)
+    roughness = _face_roughness(measured, hardness)
     persson, fractal = persson_law(roughness, FACE_AREA), law_of_roughness(roughness, FACE_AREA, "fractal")
     table = []
     for pressure in PRESSURES:
@@ -148,8 +147,7 @@ def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> 
 
 def one_spot_messages(measured: MeasuredRoughness, hardness: str | None = None) -> list[str]:
     """A message if the fractal law of a pressure of :func:`stiffness_rows` is softer than any contact of its area."""
-    case = _case(measured, hardness)
-    roughness = case_roughness(case, *[case_material(case)] * 2)
+    roughness = _face_roughness(measured, hardness)
     fractal = law_of_roughness(roughness, FACE_AREA, "fractal")
     found = [below for each in PRESSURES if (below := _below_one_spot(roughness, fractal, each))]
     return [min(found, key=lambda each: each.ratio).message("the fractal law")] if found else []
@@ -174,8 +172,7 @@ def contact_message(measured: MeasuredRoughness, hardness: str | None = None) ->
     are the defaults of a study file, the waves those of the measurement. Raises InputError for a hardness that is not
     usable or a fit without D and G.
     """
-    case = _case(measured, hardness)
-    roughness = case_roughness(case, *[case_material(case)] * 2)
+    roughness = _face_roughness(measured, hardness)
     least = fully_plastic_load(roughness)
     origin = "" if hardness else "the default "
     return (
@@ -184,6 +181,12 @@ def contact_message(measured: MeasuredRoughness, hardness: str | None = None) ->
         "other spots: there the fractal law gives only the stiffness of one round spot of the real area, a lower bound "
         "(the default law and the mode unloading compute it from the waves)."
     )
+
+
+def _face_roughness(measured: MeasuredRoughness, hardness: str | None) -> Roughness:
+    """Both faces of the material of a study file, with the measured waves."""
+    case = _case(measured, hardness)
+    return case_roughness(case, *[case_material(case)] * 2)
 
 
 def _case(measured: MeasuredRoughness, hardness: str | None) -> TwoBladeCase:

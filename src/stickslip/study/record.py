@@ -121,10 +121,10 @@ def _few_rows(case: Case, model: ReducedModel, response: ForcedResponse) -> Iter
     coarse = {face: rows for face, rows in few.items() if opening[pairs.face == face].any()}
     if coarse:
         names = ", ".join(f"{rows} on {model.joint.face_names[face]}" for face, rows in coarse.items())
-        finer = case.finer_faces
         yield (
             f"At the peak {int(opening.sum())} pairs separate, on faces with few rows of pairs: {names}. The border "
-            f"of contact is then coarse: {EFFECT_OF_FEW_ROWS}. Compare with at least {FEW_ROWS} rows: {finer}."
+            f"of contact is then coarse: {EFFECT_OF_FEW_ROWS}. Compare with at least {FEW_ROWS} rows: "
+            f"{case.finer_faces}."
         )
 
 

@@ -65,7 +65,8 @@ class BesideOneSpot:
     """The stiffness per area of one pressure by the fractal law beside that of one round spot of its real area, N/m3.
 
     The spot is a lower bound (:func:`one_spot_stiffness`). The published sums of elastic spots alone are below it from
-    the load up to which all spots are plastic to 7.8 to 8.9 times that load (docs/theory_roughness.md, section 4).
+    the load up to which all spots are plastic to 7.8 to 8.9 times that load in mode "consistent", and to 3.2 to 5.2
+    times in mode "varying-curvature" (docs/theory_roughness.md, section 4; docs/theory_stiffness_laws.md, section 5).
     """
 
     pressure: float  # Pa

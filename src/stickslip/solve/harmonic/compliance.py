@@ -42,7 +42,7 @@ from stickslip.structure.superelement import Superelement
 Origin = tuple[Superelement, float, float | None]
 
 # In Newton's matrix, modes above this multiple of the highest harmonic are springs: an error of 1/30^2 of their part of
-# the matrix alone, which costs no accuracy (all modes are exact in the residual) and hardly an iteration.
+# the matrix alone, which costs no accuracy (the residual has their inertia, see kept_modes) and hardly an iteration.
 NEAR_RANGE = 30.0
 # chosen: modes whose compliance times the contact stiffness is below this remain for the iteration, which converges
 # with it (440 pairs: 26 of 42 near modes, one iteration more); and number of shapes of the mean, of 10 above 0.1.

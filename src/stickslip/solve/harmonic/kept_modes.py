@@ -33,8 +33,8 @@ from stickslip.solve.harmonic.harmonic_modes import LARGE_ROWS, SharedModes
 from stickslip.solve.harmonic.large_newton import MeanDifference
 from stickslip.solve.harmonic.row_products import row_products
 
-# chosen: modes up to this multiple of the highest excitation keep their inertia (440 pairs: 139 of 1365). It must
-# exceed damping.DAMPED_RANGE, since the other modes have no damping here.
+# chosen: modes up to this multiple of the highest excitation keep their inertia (440 pairs: 139 of 1365, and 90 added
+# shapes). It must exceed damping.DAMPED_RANGE, since the other modes have no damping here.
 KEPT_RANGE = 1000.0
 # chosen: with more modes than this share of all, the product with them costs as much as that with all.
 MOST_KEPT = 0.3

@@ -28,7 +28,6 @@ from stickslip.solve.harmonic.row_products import row_products
 SingleArray = NDArray[np.float32]
 IndexArray = NDArray[np.int64]
 
-
 # chosen: with more columns than this share of all, products with all of them cost less than to take these out.
 MANY_COLUMNS = 0.5
 # chosen: shapes of the difference; and the largest eigenvalue beside them, over that of the far modes, whose own
@@ -101,7 +100,7 @@ class LargeNewtonCompliance:
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
         answer = np.asarray(weights.astype(np.float32) @ self.far_rows, dtype=float)
-        if self._is_whole:
+        if self._has_others:
             answer = answer[:, self.columns]
         if isinstance(self.mean_part, MeanDifference):
             answer[0] += self.mean_part.right @ (weights[0] @ self.mean_part.left)
@@ -115,12 +114,13 @@ class LargeNewtonCompliance:
         return with_gain(self.gain[order - 1], self.left[rows], self.right) + self._far_columns(rows)
 
     @property
-    def _is_whole(self) -> bool:
+    def _has_others(self) -> bool:
+        """Whether ``far_rows`` has more columns than ``columns``."""
         return int(self.far_rows.shape[1]) != self.columns.size
 
     def _of_far(self, deviation: FloatArray) -> FloatArray:
         """(c, m) displacements of the far modes under deviations (c, k)."""
-        if not self._is_whole:
+        if not self._has_others:
             return row_products(self.far_rows, deviation)
         wide = np.zeros((len(deviation), self.far_rows.shape[1]))
         wide[:, self.columns] = deviation
@@ -128,4 +128,4 @@ class LargeNewtonCompliance:
 
     def _far_columns(self, rows: IndexArray | slice = slice(None)) -> SingleArray:
         """(rows, k) of the far compliance."""
-        return self.far_rows[rows][:, self.columns] if self._is_whole else self.far_rows[rows]
+        return self.far_rows[rows][:, self.columns] if self._has_others else self.far_rows[rows]
