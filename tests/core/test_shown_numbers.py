@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from stickslip.core.shown_numbers import number, raised
+from stickslip.core.shown_numbers import capital, number, raised
 
 
 @pytest.mark.parametrize(
@@ -25,3 +25,8 @@ def test_words_with_powers_of_ten(words: str, shown: str) -> None:
 def test_a_small_number_has_a_power_of_ten() -> None:
     assert number(8.2e-4) == "8.2 × 10⁻⁴"
     assert number(-0.0082) == "−0.0082"
+
+
+def test_a_heading_keeps_the_capitals_of_its_names() -> None:
+    assert capital("load of Platform A") == "Load of Platform A"
+    assert capital("") == ""

@@ -29,6 +29,7 @@ class CaseContent(BaseModel):
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
         """A signature that a reader can take in: the name of each section and its class, without all of its keys."""
         super().__pydantic_init_subclass__(**options)
+        # As an attribute by name: for the type checker `__signature__` belongs to the base class alone.
         setattr(cls, "__signature__", Signature([_parameter(name, each) for name, each in cls.model_fields.items()]))  # noqa: B010
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Numbers, lengths and energies as a reader expects them."""
+"""Numbers, lengths, energies and headings as a reader expects them."""
 
 from __future__ import annotations
 
@@ -54,6 +54,11 @@ def energy_unit(largest: float) -> tuple[float, str]:
 def raised(words: str) -> str:
     """Words with each "8.2e-04" in them as "8.2 × 10⁻⁴", and with true minus signs before numbers."""
     return re.sub(r"(?<![\w.])(-?\d[\d.]*)(?:e([-+]?\d+))?", lambda found: _power(*found.groups()), words)
+
+
+def capital(words: str) -> str:
+    """Words with a capital at their beginning; names among them stay as they are."""
+    return words[:1].upper() + words[1:]
 
 
 def _power(mantissa: str, exponent: str | None) -> str:

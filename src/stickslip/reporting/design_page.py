@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
-from stickslip.core.shown_numbers import number
+from stickslip.core.shown_numbers import capital, number
 from stickslip.reporting import design_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import shown_number
@@ -110,7 +110,7 @@ def _tiles(result: DesignResult) -> Iterator[Tile]:
     unit = plots.SHOWN[result.measure.unit][1]
     yield Tile(result.measure.words, _value(result.measure, best.objective), unit, more)
     for key, value, along in zip(result.keys, best.values, result.sharpness, strict=True):
-        yield Tile(_short(key).capitalize(), number(key.shown(value)), key.unit, f"5 % more at: {_cost(key, along)}")
+        yield Tile(capital(_short(key)), number(key.shown(value)), key.unit, f"5 % more at: {_cost(key, along)}")
 
 
 def _value(measure: BandMeasure, value: float) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.core.shown_numbers import MICRO
+from stickslip.core.shown_numbers import MICRO, capital
 from stickslip.core.shown_numbers import number as shown_digits
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, log_axis, plain_list
@@ -261,8 +261,8 @@ def _map(view: SweepView, group: Group, numbers: FloatArray, digits: str) -> Fig
     return figure_of(
         [trace],
         360,
-        xaxis=axis_look(short_name(first).capitalize(), type="category", showgrid=False),
-        yaxis=axis_look(short_name(second).capitalize(), type="category", showgrid=False),
+        xaxis=axis_look(capital(short_name(first)), type="category", showgrid=False),
+        yaxis=axis_look(capital(short_name(second)), type="category", showgrid=False),
     )
 
 

@@ -13,6 +13,7 @@ from typing import Generic
 import numpy as np
 
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.shown_numbers import capital
 from stickslip.solve.evidence import Evidence, Settling
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT
 from stickslip.solve.path.continuation import Branch
@@ -93,7 +94,7 @@ class Pieces(Generic[BalancePointT]):
         at_start = settled or self._settling.solution((), self._window[0], ramp=False)
         if at_start is not None:
             if settled:
-                self.warnings.append(f"{_capital(words)} The curve begins from this motion.")
+                self.warnings.append(f"{capital(words)} The curve begins from this motion.")
             return self._follow(self._append(self._part(at_start[0], self._window[1])))
         # A motion that exists, but that these harmonics or digits do not give, is no reason to begin elsewhere.
         exists = evidence is not None and evidence.repeats_after == 1
@@ -104,7 +105,7 @@ class Pieces(Generic[BalancePointT]):
         point, how = found
         back = self._part(point, self._window[0])
         gap = self._gap(self._window[0], back)
-        words = _capital(words)
+        words = capital(words)
         self.warnings.append(f"{words} The curve begins at {_hz(gap[1])} Hz, from a motion that was found {how}.")
         self._append(back, reverse=True)
         return self._follow(self._append(self._part(point, self._window[1])))
@@ -213,10 +214,6 @@ class Pieces(Generic[BalancePointT]):
         self.crossings += branch.crossings
         self.message = branch.message
         return branch
-
-
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]
 
 
 def _are_same(first: BalancePoint, second: BalancePoint) -> bool:

@@ -115,7 +115,7 @@ class Balance:
         """Number m of rows of relative displacement."""
         return 3 * self.pairs.n_pairs
 
-    def _external(self, omega: float, load: float) -> ExternalForce:
+    def external_force(self, omega: float, load: float) -> ExternalForce:
         """``load`` times the external force at ``omega``."""
         (power, first), *others = self._terms
         external = first.times(load * omega**power)
@@ -125,7 +125,7 @@ class Balance:
 
     def modal_force(self, trial: Trial) -> FloatArray:
         """(2H, n) the external force of a trial in the modes of the stuck structure."""
-        return self._external(trial.omega, trial.load).modal
+        return self.external_force(trial.omega, trial.load).modal
 
     def applied(self, trials: Sequence[Trial]) -> FloatArray:
         """(n_trials, 2H+1, n) N, the external force at each trial."""
@@ -135,7 +135,7 @@ class Balance:
 
     def linear(self, omega: float, load: float = 1.0) -> FloatArray:
         """Relative displacement (2H+1, m) with every contact stuck, under ``load`` times the force."""
-        still, external = np.zeros((2 * self.harmonics + 1, self.rows)), self._external(omega, load)
+        still, external = np.zeros((2 * self.harmonics + 1, self.rows)), self.external_force(omega, load)
         return self.compliance.relative(self.compliance.amplitude(omega, external, still), still)
 
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
@@ -145,7 +145,7 @@ class Balance:
         deviation = contact.force.reshape(self.rows, -1).T - self.springs * relative
         # Where a force is that of the springs the deviation is zero by definition, without round-off.
         np.copyto(deviation, 0.0, where=~contact.moves.ravel())
-        external = self._external(omega, load)
+        external = self.external_force(omega, load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
         answer = self.compliance.relative(amplitude, deviation)
         residual = relative - answer
@@ -217,7 +217,7 @@ class Balance:
     def load_amplitude(self, omega: float) -> FloatArray:
         """Derivative (2H, n) of the modal amplitudes by the load at fixed deviation."""
         return self.compliance.amplitude(
-            omega, self._external(omega, 1.0), np.zeros((2 * self.harmonics + 1, self.rows))
+            omega, self.external_force(omega, 1.0), np.zeros((2 * self.harmonics + 1, self.rows))
         )
 
     def load_slope(self, trial: Trial) -> FloatArray:

@@ -161,6 +161,6 @@ class KeptBalance(Balance):
 
     def _with_all_modes(self, trial: Trial) -> Trial:
         whole = self._whole
-        external = whole._external(trial.omega, trial.load)
+        external = whole.external_force(trial.omega, trial.load)
         amplitude = whole.compliance.amplitude(trial.omega, external, trial.deviation)
         return replace(trial, amplitude=amplitude)
