@@ -9,13 +9,18 @@ import pytest
 
 from helpers import Blade
 from stickslip.core.validation import FloatArray
+from stickslip.solve import output_maxima
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic import harmonic_modes, kept_modes, reduced
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import FrequencyCurve
 from stickslip.solve.harmonic.kept_modes import KeptBalance
+from stickslip.solve.output_maxima import OutputMaxima, cubic_between
+from stickslip.solve.path.arc_length import Metric, chord_between
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
+from stickslip.solve.path.stepping import BranchPoint
+from stickslip.solve.path.work import Work
 from stickslip.solve.setting_up import Balances, prepare_balances
 
 RNG = np.random.default_rng(8)
@@ -130,3 +135,48 @@ def test_joints_of_few_rows_and_analyses_of_outputs_have_all_modes(
     assert not isinstance(few.of_structure().with_harmonics(HARMONICS), KeptBalance)
     monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.0)
     assert not isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
+
+
+@pytest.mark.slow
+def test_outputs_at_a_contact_between_two_points_have_the_part_of_the_other_modes(
+    balances: Balances, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No amplitude contains their part of the deviation, up to 28 % of a change here; linear in the step, 3 % remain."""
+    whole, kept, _ = with_range(balances, monkeypatch, 6)
+    few = replace(balances, few_modes=True)
+    outputs, first_mode = balances.pairs.operator, float(balances.stuck.circular_frequency[0])
+    record: list[FloatArray] = []
+
+    def recorded(signals: FloatArray) -> FloatArray:
+        record.append(signals)
+        return np.zeros((len(signals), len(outputs)))
+
+    monkeypatch.setattr(output_maxima, "_amplitudes", recorded)
+    for balance, own in ((whole, balances), (kept, few)):
+        newton = Newton(FrequencyCurve(balance, LOAD), NewtonSettings())
+        points = []
+        for share in (0.70, 0.71, 0.73):
+            start = newton.problem.evaluate(balance.linear(share * first_mode, LOAD), np.array([share * first_mode]))
+            correction = newton.correct(start, Plane.fixed(start.unknowns, share * first_mode))
+            assert correction.converged
+            points.append(correction.point)
+        metric = Metric(1.0, 1.0)
+        before, after = (BranchPoint(points[at], 0, metric.unit(chord_between(points[0], points[1]))) for at in (0, 2))
+        maxima = OutputMaxima(newton, own, outputs, first_mode, Work())
+        sampled = [maxima._sampled([each])[0] for each in (before, after)]
+        maxima._highest = np.ones(len(outputs))
+        cubic = cubic_between(before, after, metric)
+        assert cubic is not None
+        assert maxima._highest_place(*sampled, cubic) is None
+        changes = np.abs(sampled[1].coefficients - sampled[0].coefficients).max(axis=0)
+    inner, of_kept = record
+    assert (np.abs(of_kept - inner).max(axis=(0, 1)) / changes).max() < 0.05
+
+
+def test_many_shapes_of_unknowns_without_pairs_count(balances: Balances, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each unknown on which no pair depends adds two shapes: 14 modes and 20 shapes are more than half of 38."""
+    with_range(balances, monkeypatch, 14)
+    monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.5)
+    assert not isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
+    monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.95)
+    assert isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
