@@ -4,9 +4,9 @@ The vibration of the whole structure measures the steps of a curve (:mod:`sticks
 amplitude of an output that moves little may therefore have a flat maximum within a step, without a resonance there. The
 motion within a step is here the cubic through both points with the tangents of the curve (Hermite interpolation over
 the length of the step). What has no tangent is linear: the mean, and the part of an output at a contact that the modal
-amplitudes of a large joint lack (:mod:`stickslip.solve.harmonic.kept_modes`). Where the amplitude of an output on this cubic
-exceeds both points, the curve gets a point, a solution of the equations like all others, and both parts of the step are
-looked at again.
+amplitudes of a large joint lack (:mod:`stickslip.solve.harmonic.kept_modes`). Where the amplitude of an output on this
+cubic exceeds both points, the curve gets a point, a solution of the equations like all others, and both parts of the
+step are looked at again.
 """
 
 from __future__ import annotations
