@@ -165,12 +165,12 @@ def test_outputs_at_a_contact_between_two_points_have_the_part_of_the_other_mode
         metric = Metric(1.0, 1.0)
         before, after = (BranchPoint(points[at], 0, metric.unit(chord_between(points[0], points[1]))) for at in (0, 2))
         maxima = OutputMaxima(newton, own, outputs, first_mode, Work())
-        sampled = [maxima._sampled([each])[0] for each in (before, after)]
+        first, last = (maxima._sampled([each])[0] for each in (before, after))
         maxima._highest = np.ones(len(outputs))
         cubic = cubic_between(before, after, metric)
         assert cubic is not None
-        assert maxima._highest_place(*sampled, cubic) is None
-        changes = np.abs(sampled[1].coefficients - sampled[0].coefficients).max(axis=0)
+        assert maxima._highest_place(first, last, cubic) is None
+        changes = np.abs(last.coefficients - first.coefficients).max(axis=0)
     inner, of_kept = record
     assert (np.abs(of_kept - inner).max(axis=(0, 1)) / changes).max() < 0.05
 
