@@ -3,9 +3,10 @@
 The vibration of the whole structure measures the steps of a curve (:mod:`stickslip.solve.path.continuation`). The
 amplitude of an output that moves little may therefore have a flat maximum within a step, without a resonance there. The
 motion within a step is here the cubic through both points with the tangents of the curve (Hermite interpolation over
-the length of the step); the mean, which has no tangent, is linear. Where the amplitude of an output on this cubic
-exceeds both points, the curve gets a point, a solution of the equations like all others, and both parts of the step are
-looked at again.
+the length of the step). What has no tangent is linear: the mean, and the part of an output at a contact that the modal
+amplitudes of a large joint lack (:mod:`stickslip.solve.harmonic.kept_modes`). Where the amplitude of an output on this
+cubic exceeds both points, the curve gets a point, a solution of the equations like all others, and both parts of the
+step are looked at again.
 """
 
 from __future__ import annotations
@@ -249,10 +250,10 @@ class OutputMaxima(Generic[BalancePointT]):
         """
         rows = max(len(before.coefficients), len(after.coefficients))
         first, last = (with_rows(each.coefficients, rows) for each in (before, after))
-        vibration = self._vibration(np.stack([each.measured for each in cubic.controls[:2]]))
-        share = np.array([1.0, 2.0])[:, None] / 3.0
-        inner = first + np.stack([with_rows(each, rows) for each in vibration])
-        inner[:, 0] = first[0] + share * (last[0] - first[0])
+        vibration = self._vibration(np.stack([each.measured for each in cubic.controls]))
+        start, end, chord = (with_rows(each, rows) for each in vibration)
+        linear = (last - first - chord) / 3.0
+        inner = first + np.stack([start + linear, end + 2.0 * linear])
         lowest = HIGHER * np.maximum(np.maximum(before.amplitude, after.amplitude), VISIBLE * self._highest)
         if (_amplitudes(inner) <= lowest).all():
             return None

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from helpers import Blade
 from stickslip.core.validation import FloatArray
+from stickslip.solve import output_maxima, setting_up
 from stickslip.solve.excitation import Excitation
+from stickslip.solve.forced import forced_response
 from stickslip.solve.harmonic import harmonic_modes, kept_modes, reduced
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import FrequencyCurve
-from stickslip.solve.harmonic.kept_modes import KeptBalance
+from stickslip.solve.harmonic.kept_modes import KeptBalance, KeptModes
+from stickslip.solve.output_maxima import OutputMaxima, cubic_between
+from stickslip.solve.path.arc_length import Metric, chord_between
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
+from stickslip.solve.path.stepping import BranchPoint
+from stickslip.solve.path.work import Work
 from stickslip.solve.setting_up import Balances, prepare_balances
 
 RNG = np.random.default_rng(8)
@@ -130,3 +137,100 @@ def test_joints_of_few_rows_and_analyses_of_outputs_have_all_modes(
     assert not isinstance(few.of_structure().with_harmonics(HARMONICS), KeptBalance)
     monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.0)
     assert not isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
+
+
+@pytest.mark.slow
+def test_outputs_at_a_contact_between_two_points_have_the_part_of_the_other_modes(
+    balances: Balances, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No amplitude contains their part of the deviation, up to 28 % of a change here; 3 % remain."""
+    whole, kept, _ = with_range(balances, monkeypatch, 6)
+    few = replace(balances, few_modes=True)
+    outputs, first_mode = balances.pairs.operator, float(balances.stuck.circular_frequency[0])
+    record: list[FloatArray] = []
+
+    def recorded(signals: FloatArray) -> FloatArray:
+        record.append(signals)
+        return np.zeros((len(signals), len(outputs)))
+
+    monkeypatch.setattr(output_maxima, "_amplitudes", recorded)
+    for balance, own in ((whole, balances), (kept, few)):
+        newton = Newton(FrequencyCurve(balance, LOAD), NewtonSettings())
+        points = []
+        for share in (0.70, 0.71, 0.73):
+            start = newton.problem.evaluate(balance.linear(share * first_mode, LOAD), np.array([share * first_mode]))
+            correction = newton.correct(start, Plane.fixed(start.unknowns, share * first_mode))
+            assert correction.converged
+            points.append(correction.point)
+        metric = Metric(1.0, 1.0)
+        before, after = (BranchPoint(points[at], 0, metric.unit(chord_between(points[0], points[1]))) for at in (0, 2))
+        maxima = OutputMaxima(newton, own, outputs, first_mode, Work())
+        first, last = (maxima._sampled([each])[0] for each in (before, after))
+        maxima._highest = np.ones(len(outputs))
+        cubic = cubic_between(before, after, metric)
+        assert cubic is not None
+        assert maxima._highest_place(first, last, cubic) is None
+        changes = np.abs(last.coefficients - first.coefficients).max(axis=0)
+    inner, of_kept = record
+    assert (np.abs(of_kept - inner).max(axis=(0, 1)) / changes).max() < 0.05
+
+
+def test_many_shapes_of_unknowns_without_pairs_count(balances: Balances, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each unknown on which no pair depends adds two shapes: 14 modes and 20 shapes are more than half of 38."""
+    with_range(balances, monkeypatch, 14)
+    monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.5)
+    assert not isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
+    monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.95)
+    assert isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("closed", [1.0, -0.01])  # every third pair is pressed together, or has a gap and closes
+def test_a_curve_is_that_of_all_modes(blade: Blade, monkeypatch: pytest.MonkeyPatch, closed: float) -> None:
+    """Points, added points, energies, outputs (one of them a slip), and verdicts; kept modes are used."""
+    preload = blade.pairs.laws[0].normal_load.copy()
+    preload[::3] *= closed
+    structure, force = replace(blade.superelement, damping=None), (3.0 * blade.force_cos, 3.0 * blade.force_sin)
+    outputs = np.vstack([np.eye(structure.size)[0], np.eye(structure.size)[-1]])
+    responses, used = [], []
+
+    def observed(*arguments: Any) -> KeptModes | None:
+        used.append(kept_modes.kept_modes(*arguments))
+        return used[-1]
+
+    monkeypatch.setattr(setting_up, "kept_modes", observed)
+    monkeypatch.setattr(kept_modes, "MOST_KEPT", 1.0)
+    monkeypatch.setattr(kept_modes, "KEPT_RANGE", 30.0)
+    for rows in (10**9, 1):
+        for module in (kept_modes, harmonic_modes, reduced):
+            monkeypatch.setattr(module, "LARGE_ROWS", rows)
+        responses.append(
+            forced_response(
+                structure,
+                blade.pairs_with(preload),
+                *force,
+                frequency_hz=blade.window_hz,
+                harmonics=3,
+                samples=128,
+                modal_damping_ratio=0.003,
+                outputs=outputs,
+                threads=1,
+            )
+        )
+    whole, kept = responses
+    assert used[0] is None
+    assert used[1] is not None
+    assert used[1].contact.shape[1] < structure.size
+    assert kept.n_points == whole.n_points
+    for name in ("maxima_between_points", "search_for_missed_peaks"):
+        assert kept.settings[name] == whole.settings[name]
+    assert whole.residual.max() < kept.residual.max() < 1e-6
+    for name in ("input_energy", "viscous_energy", "kinetic_energy", "dissipated_energy"):
+        expected, actual = getattr(whole, name), getattr(kept, name)
+        assert actual.max() == pytest.approx(expected.max(), rel=1e-5)
+    spent = kept.viscous_energy + kept.dissipated_energy.sum(axis=1)
+    np.testing.assert_allclose(kept.input_energy, spent, rtol=0.0, atol=1e-6 * kept.input_energy.max())
+    for output in outputs:
+        assert kept.amplitude(output).max() == pytest.approx(whole.amplitude(output).max(), rel=1e-5)
+    assert kept.stable is not None
+    np.testing.assert_array_equal(kept.stable, whole.stable)

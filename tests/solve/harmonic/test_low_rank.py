@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from stickslip.core.threads import solver_threads
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic import harmonic_modes, large_newton, local_inverse, reduced
@@ -18,7 +19,7 @@ from stickslip.solve.harmonic.harmonic_modes import LocalCompliance, NewtonCompl
 from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance, MeanDifference, mean_difference
 from stickslip.solve.harmonic.low_rank import LowRankInverse
 from stickslip.solve.harmonic.reduced import NewtonSystem
-from stickslip.solve.harmonic.row_products import VECTORS, row_products
+from stickslip.solve.harmonic.row_products import ROWS_AT_ONCE, VECTORS, row_products
 from stickslip.solve.setting_up import prepare_balances
 
 RNG = np.random.default_rng(4)
@@ -146,6 +147,17 @@ def test_products_in_both_precisions(count: int) -> None:
     np.testing.assert_allclose(row_products(matrix, vectors), vectors @ matrix.T, atol=1e-13)
     single = matrix.astype(np.float32)
     np.testing.assert_allclose(row_products(single, vectors), vectors @ single.astype(float).T, atol=1e-13)
+
+
+@pytest.mark.parametrize("rows", [1, ROWS_AT_ONCE, 2 * ROWS_AT_ONCE, 2 * ROWS_AT_ONCE + 1, 5 * ROWS_AT_ONCE - 1])
+def test_products_have_the_same_digits_in_threads(rows: int) -> None:
+    """In odd shares too, whose last row is one pair with itself; no share writes rows of another one."""
+    matrix, vectors = RNG.standard_normal((rows, 70)), RNG.standard_normal((VECTORS + 1, 70))
+    alone = row_products(matrix, vectors)
+    np.testing.assert_allclose(alone, vectors @ matrix.T, atol=1e-13)
+    with solver_threads(rows, 3):
+        for _ in range(20):
+            np.testing.assert_array_equal(row_products(matrix, vectors), alone)
 
 
 @pytest.mark.parametrize("many", [0.0, 1.0])  # the matrix contains all columns, or the chosen ones

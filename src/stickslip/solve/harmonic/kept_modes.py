@@ -8,7 +8,8 @@ times faster than the excitation. So only those up to KEPT_RANGE times its highe
 
 with the contact rows c_j of the modes. The inertia that is neglected is at most ``(h w / w_j)^2`` of ``A_s``: below
 1e-6 h^2 of it, and ``k A_s`` is about 0.01 there. What remains of it is measured in each point of a curve: its
-displacements contain all modes, and the residual of the equation of motion shows the difference.
+displacements contain all modes, and the residual of the equation of motion shows the difference at the springs of pairs
+that are closed at rest. At pairs that are open there the bound alone holds.
 
 The response to the external force has no such error: in the space of the other modes, ``w_j^-2 f_j``, ``w_j^-4 f_j``
 and the same of each unknown on which no pair depends (outputs) span a few more kept shapes (Rayleigh-Ritz), so that the
@@ -67,7 +68,8 @@ class KeptModes:
 def kept_modes(stuck: StuckStructure, force: ExcitationForce) -> KeptModes | None:
     """The kept modes of a joint under a force; None where all modes serve as well or are required.
 
-    These are: a joint of few rows, one with many soft modes, and damping or Coriolis forces that couple the modes.
+    These are: a joint of few rows, one with many soft modes or with many unknowns on which no pair depends, and damping
+    or Coriolis forces that couple the modes.
     """
     frequency, modes, contact = stuck.circular_frequency, stuck.modes, stuck.contact_modes
     count = int(np.searchsorted(frequency, KEPT_RANGE * stuck.highest_omega, side="right"))
@@ -78,6 +80,9 @@ def kept_modes(stuck: StuckStructure, force: ExcitationForce) -> KeptModes | Non
     far_squares, far_modes, far_contact = frequency[count:] ** 2, modes[:, count:], contact[:, count:]
     alone = np.flatnonzero(~stuck.pairs.operator.any(axis=0))
     loads = np.vstack([far_modes[alone], *(array[1:] @ far_modes for _, array in force.terms)])
+    most_added = min(2 * int(loads.any(axis=1).sum()), far_squares.size)
+    if count + most_added > MOST_KEPT * frequency.size:
+        return None
     turn, added = _ritz(far_squares, loads)
     added_contact = far_contact @ turn
     rest = (far_contact / far_squares) @ far_contact.T - (added_contact / added**2) @ added_contact.T
