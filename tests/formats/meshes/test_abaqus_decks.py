@@ -61,6 +61,23 @@ def test_elements_without_displacements(tmp_path: Path) -> None:
     assert any("50 % of the elements are solid" in doubt for doubt in model.doubts)
 
 
+def test_a_network_of_flow_is_open_at_node_0(tmp_path: Path) -> None:
+    """CalculiX: the node of an inlet or outlet is 0; elements of solids have no such node."""
+    model = cubes(tmp_path, "*ELEMENT, TYPE=D\n60, 0, 2, 3\n61, 3, 5, 0\n")
+    assert any("50 % of the elements are solid" in doubt for doubt in model.doubts)
+    with rejects(ImportFileError):
+        cubes(tmp_path, "*ELEMENT, TYPE=S3\n60, 0, 2, 3\n")
+
+
+def test_temperatures_of_calculix_constrain_no_displacement(tmp_path: Path) -> None:
+    """Their direction is 0, or 11."""
+    plain = cubes(tmp_path, "")
+    for direction in (0, 11):
+        model = cubes(tmp_path, f"*BOUNDARY\n5, {direction}, {direction}, 100.\n")
+        np.testing.assert_array_equal(model.fixed_unknowns, plain.fixed_unknowns)
+        assert any("of temperatures" in message for message in model.messages)
+
+
 @pytest.mark.parametrize(
     "cards",
     [

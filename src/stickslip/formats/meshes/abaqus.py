@@ -16,6 +16,7 @@ from stickslip.formats.meshes.abaqus_assembly import flatten
 from stickslip.formats.meshes.abaqus_contact import ContactCards
 from stickslip.formats.meshes.abaqus_keywords import (
     ELEMENT_TYPES,
+    FLUID_NETWORK,
     NOT_SOLID,
     OTHER_FORMULATIONS,
     REFUSED,
@@ -197,7 +198,7 @@ class _Reader:
                 "ignores shells, membranes, beams and springs."
             )
         width = CELL_KINDS[solid].n_nodes if solid else NOT_SOLID[name]
-        rows, lines = self._rows(card, width + 1)
+        rows, lines = self._rows(card, width + 1, may_be_open=name == FLUID_NETWORK)
         labels = np.array([row[0] for row in rows], dtype=np.int64)
         elset = card.parameters.get("ELSET", "")
         if elset:
@@ -223,15 +224,18 @@ class _Reader:
                 self.raw.messages.append(f"elements {name} have the formulation of stickslip for a {solid}.")
             self._reported.add(name)
 
-    def _rows(self, card: Card, width: int) -> tuple[list[list[int]], list[int]]:
-        """Rows of ``width`` numbers, which may continue over several lines, and the line at which each starts."""
+    def _rows(self, card: Card, width: int, may_be_open: bool = False) -> tuple[list[list[int]], list[int]]:
+        """Rows of ``width`` numbers, which may continue over several lines, and the line at which each starts.
+
+        With ``may_be_open`` a node may be 0: none.
+        """
         rows: list[list[int]] = []
         lines: list[int] = []
         row: list[int] = []
         for line, words in card.data:
             if not row:
                 lines.append(line)
-            row += [card.label(word, line) for word in words if word]
+            row += [0 if may_be_open and word == "0" else card.label(word, line) for word in words if word]
             if len(row) > width:
                 card.fail(f"an element of this type has {width - 1} nodes, but {len(row) - 1} are given.", line)
             if len(row) == width:

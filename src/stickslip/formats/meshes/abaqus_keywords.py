@@ -19,6 +19,7 @@ ELEMENT_TYPES = {
     "C3D20R": "hexahedron20",
 }
 OTHER_FORMULATIONS = {"C3D4H", "C3D10M", "C3D10H", "C3D10HS", "C3D8", "C3D8R", "C3D20R"}
+FLUID_NETWORK = "D"  # an element between two nodes of a flow, of which one at an inlet or outlet may be 0
 # Nodes of elements that have no volume, or no displacements, which are used only for sets.
 NOT_SOLID = {
     **dict.fromkeys(("S3", "S3R", "S3RS", "DS3", "M3D3", "SFM3D3", "STRI3", "CPS3", "CPE3", "CAX3", "R3D3"), 3),
@@ -33,7 +34,7 @@ NOT_SOLID = {
     **dict.fromkeys(("B32", "B32R", "B32H", "B32OS", "PIPE32", "T3D3"), 3),
     **dict.fromkeys(("MASS", "ROTARYI", "SPRING1", "DASHPOT1", "HEATCAP", "DCOUP3D"), 1),
     # pipes with flow, fluids, heat and sound
-    **{"D": 3, "F3D4": 4, "F3D6": 6, "F3D8": 8},
+    **{FLUID_NETWORK: 3, "F3D4": 4, "F3D6": 6, "F3D8": 8},
     **{f"{what}3D{count}": count for what in ("DC", "AC") for count in (4, 6, 8, 10, 15, 20)},
 }
 # These change the meaning of a deck's numbers; the model would be wrong without them.

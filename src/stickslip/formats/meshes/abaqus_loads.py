@@ -8,6 +8,8 @@ from stickslip.formats.meshes.abaqus_keywords import CONSTRAINED_DIRECTIONS
 from stickslip.formats.meshes.keyword_deck import Card, Find
 from stickslip.formats.meshes.raw_model import RawConstraint, RawLoad, RawModel
 
+TEMPERATURE = "0"  # the direction of temperatures in CalculiX, beside 11
+
 
 class LoadCards:
     """Reads *BOUNDARY and *CLOAD up to the end of the first step, in the directions of their nodes."""
@@ -43,7 +45,7 @@ class LoadCards:
         if self._other_loads:
             messages.append(
                 f"{len(self._other_loads)} lines of *CLOAD and *BOUNDARY have directions above 3 of nodes without "
-                f"rotation, or above 6 (first in line {self._other_loads[0]}); they are ignored."
+                f"rotation, or of temperatures (first in line {self._other_loads[0]}); they are ignored."
             )
 
     def _next_step(self, card: Card) -> None:
@@ -61,6 +63,9 @@ class LoadCards:
             first = words[1].upper() if len(words) > 1 else ""
             if first in CONSTRAINED_DIRECTIONS:
                 self._raw.constraints.append(RawConstraint(nodes, CONSTRAINED_DIRECTIONS[first], line))
+                continue
+            if first == TEMPERATURE:
+                self._other_loads.append(line)
                 continue
             start = card.label(first, line)
             stop = card.label(words[2], line) if len(words) > 2 and words[2] else start
