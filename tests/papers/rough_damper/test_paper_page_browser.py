@@ -60,7 +60,8 @@ def test_page(browser: Any, report: Path, width: int) -> None:
         assert page.evaluate("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
         assert page.locator("section#one .verdict").inner_text() == "holds"
         assert page.locator("section#one .says").inner_text() == "The paper: Says <this>."
-        assert "No <result>." in page.locator(".notice").inner_text()
+        failed = "base, excitation same with 5 N, F_N 100 N, D 2.4, G 1e-09 m, law consistent: No <result>."
+        assert failed in page.locator(".notice").inner_text()
         require_readable(page)
 
 

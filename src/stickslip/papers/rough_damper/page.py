@@ -79,8 +79,8 @@ def write_page(
 
 def _failures(failures: Sequence[Failure]) -> Iterator[Notice]:
     if failures:
-        sentences = [f"{failure.setting}: {failure.message}" for failure in failures]
-        yield Notice("bad", f"{len(failures)} computations have no result", sentences)
+        sentences = [f"{failure.setting.words}: {failure.message}" for failure in failures]
+        yield Notice("bad", f"Computations without a result: {len(failures)}", sentences)
 
 
 @dataclass(frozen=True)

@@ -112,6 +112,14 @@ class Setting:
     scale: float
     law: str
 
+    @property
+    def words(self) -> str:
+        """The setting as a page names it."""
+        return (
+            f"{self.choice}, excitation {self.excitation} with {self.force:g} N, F_N {self.load:g} N, "
+            f"D {self.dimension:g}, G {self.scale:g} m, law {self.law}"
+        )
+
 
 @dataclass(frozen=True)
 class Computation:
