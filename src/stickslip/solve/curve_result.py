@@ -15,7 +15,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.response import ForcedResponse
 from stickslip.results.stability import Bifurcation, BifurcationKind
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
+from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution, points_at_peak
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, excursion_warning, neighbour_warnings
 from stickslip.solve.harmonic.energy import CurveMeasures, measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
@@ -84,13 +84,14 @@ def response_of(
     accuracy: CurveAccuracy | None = None,
     breaks: Sequence[int] = (),
     warnings: Sequence[str] = (),
+    checked_at_peak: bool = False,
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
     ``peaks`` is the search for peaks that the branch missed, ``added`` that for maxima of outputs; ``no_stability``
     says why its points get no multipliers; ``accuracy`` are harmonics and errors of its points, if they differ:
     ``balance`` then has the most of them; ``breaks`` are the points after which the branch is interrupted, ``warnings``
-    sentences on them.
+    sentences on them. With ``checked_at_peak`` samples and harmonics are checked at the peak, not over the whole curve.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -113,7 +114,8 @@ def response_of(
         converged, trials, measures = False, trials[:end], measures.first(end)
     doubled = 2 * balances.samples
     fine = balances.with_harmonics(more_harmonics(harmonics, doubled, balances.damped_harmonics), doubled)
-    check = check_resolution(balance, fine, trials, accuracy)
+    places = points_at_peak(trials) if checked_at_peak else None
+    check = check_resolution(balance, fine, trials, accuracy, at=places)
     report.stage("stability of the points")
     reason = no_stability or reason_without(balance.pairs) or balances.no_stability
     breaks = [each for each in breaks if each < len(trials) - 1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysi
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import Progress, SilentProgress
+from stickslip.core.resolution import LEAST_SAMPLES, SAMPLES_PER_HARMONIC
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
@@ -29,24 +30,102 @@ from stickslip.study.wear import wear_of_study, worn_faces
 # points and 340 iterations, with a light damper in gross slip 122 and 1112.
 MOST_POINTS = 300
 
+# chosen: the tolerance of the balance of such a curve, over the accuracy, and the largest residual with doubled samples
+# at its peak, also over the accuracy (2e-3, that of all curves, for 2 %).
+DIGITS, SAMPLED_SHARE = 1e-4, 0.1
+# Entry of the settings of a response: why a first, quick curve was no result.
+SOLVED_AGAIN = "solved_again"
+
 Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 
 
+@dataclass(frozen=True)
+class CurveNumbers:
+    """The numbers of a curve in place of those of [solver]: harmonics instead of an accuracy, samples of a period,
+    tolerance, and largest step. Such a curve is checked at its peak only, and only the response output gets points at
+    its maxima."""
+
+    harmonics: int
+    samples: int
+    tolerance: float
+    largest_step: float
+
+
 def solve(
-    case: Case, model: ReducedModel, progress: Progress | None = None, threads: int | None = None, checks: bool = True
+    case: Case,
+    model: ReducedModel,
+    progress: Progress | None = None,
+    threads: int | None = None,
+    checks: bool = True,
+    harmonics: int | None = None,
 ) -> ForcedResponse:
     """The analysis of the case with its settings; the provenance has inputs and versions.
 
     Without ``checks`` this is only the curve of one of many cases, without multipliers and search for missed peaks. It
-    ends with a message at ``MOST_POINTS``. Raises ConvergenceError.
+    ends with a message at ``MOST_POINTS``. With the ``harmonics`` that a similar case required, and an accuracy, it is
+    first solved with these (:func:`sample_curve`). Raises ConvergenceError.
     """
     listener = progress or SilentProgress()
     if checks:
         response = _ANALYSES[type(case.analysis)](case, model, listener, threads)
         response = with_mistuning(case, model, response, listener, threads)
     else:
-        response = forced_curve(case, model, listener, threads, checks=False, most_points=MOST_POINTS)
+        response = sample_curve(case, model, listener, threads, harmonics)
     return replace(response, provenance={**response.provenance, **run_provenance()})
+
+
+def sample_curve(
+    case: Case, model: ReducedModel, listener: Progress, threads: int | None, harmonics: int | None = None
+) -> ForcedResponse:
+    """The curve of one of many cases, without checks of stability and missed peaks.
+
+    With an accuracy and the ``harmonics`` that a similar case required, the whole curve has these, and no more samples
+    and digits than the accuracy needs. It is the result if its estimated errors at the peak are within the accuracy;
+    else the curve is solved again as that of a single case. Raises ConvergenceError.
+    """
+    accuracy, reason = case.solver.accuracy, ""
+    if accuracy is not None and harmonics is not None:
+        try:
+            quick = forced_curve(
+                case, model, listener, threads, False, MOST_POINTS, _quick_numbers(case, accuracy, harmonics)
+            )
+        except ConvergenceError as error:
+            reason = str(error)
+        else:
+            reason = _why_not(quick, accuracy)
+            if not reason:
+                return quick
+    whole = forced_curve(case, model, listener, threads, checks=False, most_points=MOST_POINTS)
+    return replace(whole, settings={**whole.settings, SOLVED_AGAIN: reason}) if reason else whole
+
+
+def _quick_numbers(case: Case, accuracy: float, harmonics: int) -> CurveNumbers:
+    """The numbers of a curve whose points and interpolation are within the accuracy.
+
+    Around a peak the motion is a chord of a circle: a step s, over the largest motion, is an angle s of the phase, and
+    a straight line in its place is s^2 / 8 too low: an eighth of the accuracy for s = accuracy^0.5.
+    """
+    settings = case.solver
+    least = max(LEAST_SAMPLES, SAMPLES_PER_HARMONIC * harmonics)
+    return CurveNumbers(
+        harmonics,
+        min(settings.samples, max(least, settings.samples // 2)),
+        max(settings.tolerance, DIGITS * accuracy),
+        max(settings.largest_step, accuracy**0.5),
+    )
+
+
+def _why_not(response: ForcedResponse, accuracy: float) -> str:
+    """The reason why a curve with few checks is no result, "" if it is one."""
+    if not response.converged:
+        return response.message
+    neglected = float(response.settings["error_by_neglected_harmonics"])
+    sampled = float(response.settings["residual_with_doubled_samples"])
+    if not neglected <= accuracy:
+        return f"the estimated error by neglected harmonics is {100.0 * neglected:.2g} %"
+    if not sampled <= SAMPLED_SHARE * accuracy:
+        return f"the residual with doubled samples is {100.0 * sampled:.2g} %"
+    return ""
 
 
 def forced_curve(
@@ -56,17 +135,19 @@ def forced_curve(
     threads: int | None,
     checks: bool = True,
     most_points: int = ContinuationSettings.max_points,
+    numbers: CurveNumbers | None = None,
 ) -> ForcedResponse:
     """The forced response over the window of [solver], ``checks`` as :func:`forced_response` has them, with at most so
-    many points and the work of these."""
+    many points and the work of these; ``numbers`` replace those of [solver]."""
     settings, analysis = case.solver, case.analysis
+    outputs = np.array(list(model.outputs.values()))
     compiling = "preparation; the first run on a machine compiles the friction law, which takes about a minute"
     listener.update("Response", 0.0, compiling)
     if analysis.search:
         check_integration(model.superelement, model.pairs)
-    newton = NewtonSettings(tolerance=settings.tolerance)
+    newton = NewtonSettings(tolerance=numbers.tolerance if numbers else settings.tolerance)
     continuation = ContinuationSettings(
-        largest_step=settings.largest_step,
+        largest_step=numbers.largest_step if numbers else settings.largest_step,
         smallest_step=settings.smallest_step,
         first_step=settings.first_step,
         max_points=most_points,
@@ -76,17 +157,18 @@ def forced_curve(
         model.pairs,
         model.excitation,
         frequency_hz=(settings.frequency_start, settings.frequency_stop),
-        harmonics=settings.harmonics,
-        accuracy=settings.accuracy,
-        samples=settings.samples,
+        harmonics=numbers.harmonics if numbers else settings.harmonics,
+        accuracy=None if numbers else settings.accuracy,
+        samples=numbers.samples if numbers else settings.samples,
         modal_damping_ratio=case.damping.modal_damping_ratio,
         update=settings.update,
         newton=newton,
         continuation=continuation,
         traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
         traction_starts=analysis.traction_starts,
-        outputs=np.array(list(model.outputs.values())),
+        outputs=outputs[:1] if numbers else outputs,
         checks=checks,
+        checked_at_peak=numbers is not None,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )

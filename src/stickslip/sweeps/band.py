@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields, replace
 from os import PathLike
@@ -14,7 +14,7 @@ import scipy.stats
 from stickslip.case.case import Case
 from stickslip.case.load import load_case_and_positions
 from stickslip.case.scatter_text import scatter_text
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray, whole_number
 from stickslip.reporting.band_page import write_band_page
@@ -27,6 +27,7 @@ from stickslip.results.sweep_table import SweepTable
 from stickslip.sweeps.distributions import Distribution, described, distributions
 from stickslip.sweeps.plan import LARGEST_SWEEP, PlannedCase, hash_of, plan_rows
 from stickslip.sweeps.run import SolvedCases, solve_planned
+from stickslip.sweeps.work import HARMONICS
 
 TABLE_FILE, DATASET_FILE, PAGE_FILE = "band.csv", "band.nc", "band.html"
 DEFAULT_SAMPLES = 64  # chosen: a power of two, as Sobol points require
@@ -107,14 +108,19 @@ def band(
     keys = tuple(each.key(points[:, place]) for place, each in enumerate(chosen))
     samples_case = case.replace({"analysis.traction_band": False})
     planned = plan_rows(samples_case, keys, ((row,) * len(keys) for row in range(samples)), of="band")
+
+    def solved(some: Iterable[PlannedCase], workers: int | None = workers) -> SolvedCases:
+        # listed values can give one case several times
+        different = tuple({each.key: each for each in some}.values())
+        files = TABLE_FILE, DATASET_FILE, PAGE_FILE
+        return solve_planned(different, out, files, executor, progress, workers=workers, threads=threads)
+
     if not any(limit.measure.name.startswith(SLOW_SWEEPS) for limit in required):
-        planned = tuple(map(_without_checks, planned))
+        first = _without_checks(_central(samples_case, chosen))
+        harmonics = None if case.solver.accuracy is None else _harmonics(lambda: solved([first], workers=1), first)
+        planned = tuple(_without_checks(each, harmonics) for each in planned)
     central = _central(case, chosen) if case.analysis.traction_band else None
-    # listed values can give one case several times
-    different = tuple({each.key: each for each in (*planned, *([central] if central else []))}.values())
-    run = solve_planned(
-        different, out, (TABLE_FILE, DATASET_FILE, PAGE_FILE), executor, progress, workers=workers, threads=threads
-    )
+    run = solved((*planned, *([central] if central else [])))
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
     curves = tuple(run.outcomes[each.key].curve for each in planned)
     coordinates = [each.coordinate(points[:, place]) for place, each in enumerate(chosen)]
@@ -127,9 +133,20 @@ def band(
     return Band(**content, case_files=case_files, files=files, reused=run.reused, notices=tuple(run.notices))
 
 
-def _without_checks(planned: PlannedCase) -> PlannedCase:
-    """A sample without multipliers and search for missed peaks, which take most of its time."""
-    return replace(planned, key=hash_of({"case": planned.key, "checks": False}), checks=False)
+def _without_checks(planned: PlannedCase, harmonics: int | None = None) -> PlannedCase:
+    """A sample without multipliers and search for missed peaks, which take most of its time; solved first with the
+    ``harmonics`` of the central curve."""
+    key = hash_of({"case": planned.key, "checks": False} | ({} if harmonics is None else {HARMONICS: harmonics}))
+    return replace(planned, key=key, checks=False, harmonics=harmonics)
+
+
+def _harmonics(solve: Callable[[], SolvedCases], central: PlannedCase) -> int | None:
+    """The most harmonics that the accuracy requires along the central curve; None if that curve is not known."""
+    try:
+        outcome = solve().outcomes[central.key]
+    except StickslipError:  # such as an unusable joint; the samples meet and report it too
+        return None
+    return outcome.details.get(HARMONICS) if outcome.converged else None
 
 
 def _central(case: Case, chosen: Sequence[Distribution]) -> PlannedCase:

@@ -52,6 +52,8 @@ class PlannedCase:
         its value of each swept key.
     checks:
         whether multipliers and a search for missed peaks belong to its results.
+    harmonics:
+        those that a similar case required, with which it is solved first; None if none is known.
     """
 
     name: str
@@ -60,6 +62,7 @@ class PlannedCase:
     values: tuple[Value, ...]
     case: Case
     checks: bool = True
+    harmonics: int | None = None
 
 
 def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...]:

@@ -228,8 +228,9 @@ class SolvedCases:
                 continue
             wants_file = self.folder is not None
             task = CaseTask(
-                planned.case, planned.key, joint, threads, wants_file, checks=planned.checks, name=planned.name
-            )
+                planned.case, planned.key, joint, threads, wants_file,
+                checks=planned.checks, harmonics=planned.harmonics, name=planned.name,
+            )  # fmt: skip
             group.cases.append((planned, task))
         if first_error is not None and len(self.planned) == len(self.outcomes) and not self.reused:
             raise _none_solvable(first_error, len(left))

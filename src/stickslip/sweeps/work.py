@@ -27,19 +27,21 @@ from stickslip.model.model import connect, reduce_structure
 from stickslip.model.study_structure import ReducedStructure
 from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
-from stickslip.study.analyses import solve
+from stickslip.study.analyses import SOLVED_AGAIN, solve
 from stickslip.study.record import compare_modes, study_record
 from stickslip.sweeps.task_reports import TaskProgress
 
 # Entry of a results file's provenance with the hash of inputs and version.
 CASE_KEY = "sweep_case"
+# Entry of the details of an outcome with the most harmonics of its curve.
+HARMONICS = "harmonics"
 
 
 @dataclass(frozen=True)
 class CaseTask:
     """One case to solve: ``key`` is stored with its results; ``wants_file`` requests the bytes of a results file.
 
-    ``checks`` as :func:`stickslip.study.analyses.solve` has them.
+    ``checks`` and ``harmonics`` as :func:`stickslip.study.analyses.solve` has them.
 
     ``name`` is that of the case in reports on the running task.
     """
@@ -50,13 +52,15 @@ class CaseTask:
     threads: int
     wants_file: bool
     checks: bool = field(default=True, kw_only=True)
+    harmonics: int | None = field(default=None, kw_only=True)
     name: str = field(default="case", kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
 class CaseOutcome:
     """The outcome of a case. Without a result ``curve`` is None, ``measures`` is empty, and ``message`` is the
-    reason. ``details`` are further results as plain data for JSON, such as the gradients of a design."""
+    reason. ``details`` are further results as plain data for JSON: the harmonics of the curve and the reason why it was
+    solved again, or the gradients of a design."""
 
     converged: bool
     message: str
@@ -135,7 +139,8 @@ def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
 
 def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     model = connect(task.case, reduced, task.joint)
-    response = solve(task.case, model, TaskProgress(task.name), threads=task.threads, checks=task.checks)
+    progress = TaskProgress(task.name)
+    response = solve(task.case, model, progress, threads=task.threads, checks=task.checks, harmonics=task.harmonics)
     response = replace(response, provenance={**response.provenance, CASE_KEY: task.key})
     # The common table of the cases of a structure has every pair closed.
     table = reduced.mode_table if model.pairs.resting_stiffness().all() else ()
@@ -143,4 +148,7 @@ def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     curve, measures = curve_and_measures(response, record)
     content = results_bytes(response, record) if task.wants_file else b""
     warnings = (*record.warnings, *response.warnings)
-    return CaseOutcome(response.converged, response.message, measures, curve, warnings, content)
+    details: dict[str, Any] = {HARMONICS: response.harmonics}
+    if SOLVED_AGAIN in response.settings:
+        details[SOLVED_AGAIN] = response.settings[SOLVED_AGAIN]
+    return CaseOutcome(response.converged, response.message, measures, curve, warnings, content, details)

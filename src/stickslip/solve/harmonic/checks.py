@@ -124,18 +124,22 @@ def check_resolution(
     trials: Sequence[Trial],
     reached: CurveAccuracy | None = None,
     limit: int = 24,
+    at: Sequence[int] | None = None,
 ) -> ResolutionCheck:
     """Check up to ``limit`` points spread over the curve, always including that of largest relative displacement.
+
+    With ``at`` only these points are checked.
 
     ``balance`` is that of the trials; ``fine`` the same with more harmonics and twice the samples. With a wanted
     accuracy, where trials have different numbers of harmonics, the points have ``reached`` estimated errors.
     """
     size = [float(np.linalg.norm(trial.relative[1:])) for trial in trials]
+    highest = int(np.argmax(size))
     spread = np.linspace(0, len(trials) - 1, min(limit, len(trials))).round().astype(int)
-    chosen = sorted({*spread.tolist(), int(np.argmax(size))})
+    chosen = sorted({*spread.tolist(), highest} if at is None else set(at))
     samples = np.array([sample_residual(fine, trials[i]) for i in chosen])
     if reached is None:
-        errors = _estimated_errors(balance, fine, trials, int(np.argmax(size)))
+        errors = _estimated_errors(balance, fine, trials, _estimated(trials, highest) if at is None else chosen)
     else:
         errors = dict(enumerate(reached.errors[: len(trials)].tolist()))
     worst = max(errors, key=lambda i: errors[i])
@@ -154,19 +158,44 @@ def check_resolution(
     )
 
 
-def _estimated_errors(balance: Balance, fine: Balance, trials: Sequence[Trial], highest: int) -> dict[int, float]:
-    """Estimated error by neglected harmonics of the highest point, and of points spread over those where pairs move."""
+def points_at_peak(trials: Sequence[Trial]) -> list[int]:
+    """The points of largest vibration and of largest relative displacement, and the middle one of those where pairs
+    move."""
+    tops = [
+        int(np.argmax([float(np.linalg.norm(each)) for each in motions]))
+        for motions in ([trial.amplitude for trial in trials], [trial.relative[1:] for trial in trials])
+    ]
+    moving = _moving(trials)
+    return sorted({*tops, *moving[len(moving) // 2 :][:1]})
+
+
+def _moving(trials: Sequence[Trial]) -> list[int]:
+    """The points where pairs move."""
+    return [i for i, trial in enumerate(trials) if trial.contact.moves.any()]
+
+
+def _estimated(trials: Sequence[Trial], highest: int) -> list[int]:
+    """The highest point, and points spread over those where pairs move."""
+    moving = _moving(trials)
+    if not moving:
+        return [highest]
+    spread = np.linspace(0, len(moving) - 1, min(ESTIMATES, len(moving))).round().astype(int)
+    return sorted({*(moving[place] for place in spread), highest})
+
+
+def _estimated_errors(
+    balance: Balance, fine: Balance, trials: Sequence[Trial], places: Sequence[int]
+) -> dict[int, float]:
+    """Estimated error by neglected harmonics at some points; 0 where no pair moves."""
     more = fine
     if balance.samples > 2 * fine.harmonics:
         more = Balance(fine.compliance, fine.pairs, fine.force, balance.samples)
-    moving = [i for i, trial in enumerate(trials) if trial.contact.moves.any()]
-    if not moving:
-        return {highest: 0.0}
-    spread = np.linspace(0, len(moving) - 1, min(ESTIMATES, len(moving))).round().astype(int)
     errors, last, end = {}, LastFactor(), len(trials) - 1
-    for i in sorted({*(moving[place] for place in spread), highest}):
-        along = chord_of(trials[max(i - 1, 0)], trials[min(i + 1, end)])
-        errors[i] = neglected(trials[i], balance, more, along, last).error
+    for i in places:
+        errors[i] = 0.0
+        if trials[i].contact.moves.any():
+            along = chord_of(trials[max(i - 1, 0)], trials[min(i + 1, end)])
+            errors[i] = neglected(trials[i], balance, more, along, last).error
     return errors
 
 

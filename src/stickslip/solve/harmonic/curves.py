@@ -120,6 +120,12 @@ class FrequencyCurve(BalanceCurve):
         trial = self.balance.evaluate(unknowns, float(parameters[0]), self.load)
         return BalancePoint(trial, parameters, NO_PARAMETERS, trial.error)
 
+    def stuck(self, before: BalancePoint, parameters: FloatArray) -> BalancePoint | None:
+        """The motion with every contact stuck, a solution while no pair moves; None if one moved ``before``."""
+        if before.trial.contact.moves.any():
+            return None
+        return self.evaluate(self.balance.linear(float(parameters[0]), self.load), parameters)
+
     def linearised(self, point: BalancePoint, plane: Plane | None) -> LinearisedBalance:
         self.work.iterate(2 * self.balance.harmonics + 1)
         slopes = [self.balance.frequency_slope(point.trial)]

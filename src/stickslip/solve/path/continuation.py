@@ -17,10 +17,10 @@ from typing import Generic
 import numpy as np
 
 from stickslip.solve.path.arc_length import Metric, Tangent
-from stickslip.solve.path.corrector import Corrector, parameter_of
+from stickslip.solve.path.corrector import Corrector, Known, parameter_of
 from stickslip.solve.path.landmarks import ON_IT, VISIBLE, Landmark, LandmarkSource, first_crossed, is_long_near
 from stickslip.solve.path.newton import Correction, Newton
-from stickslip.solve.path.problem import Plane, PointT
+from stickslip.solve.path.problem import PointT
 from stickslip.solve.path.retreats import CameBack, Crossing, Retreats, around_corner, close_beyond, crossing_of
 from stickslip.solve.path.stepping import (
     Accepted,
@@ -57,7 +57,8 @@ class Branch(Generic[PointT]):
     branch ends at the stop, ``lost`` if it ends because no step succeeds; ``message`` describes its end. ``retreats``
     and ``corners`` are the parameters of those events, ``crossings`` the places where the branch was lost and continues
     close beyond. ``revise`` may solve each new point again, with other equations, before the branch continues.
-    The branch also ends at the limit of the ``work`` on all branches that share it.
+    The branch also ends at the limit of the ``work`` on all branches that share it. Where the equations are linear,
+    ``known`` gives its points without iteration.
 
     With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it
     is complete where it leaves the range, or where it comes back to its start in the same direction; ``closed`` is then
@@ -75,6 +76,7 @@ class Branch(Generic[PointT]):
         within: tuple[float, float] | None = None,
         revise: Callable[[PointT, Tangent], Revision[PointT]] | None = None,
         work: Work | None = None,
+        known: Known[PointT] | None = None,
     ) -> None:
         self._problem = newton.problem
         self._start = start
@@ -91,7 +93,7 @@ class Branch(Generic[PointT]):
         self._visited: Visited[PointT] = Visited()
         self._pace = Pace(settings.largest_step)
         self._effort = Effort(settings, work)
-        self._corrector = Corrector(newton, self._width, self._effort)
+        self._corrector = Corrector(newton, self._width, self._effort, known)
         self._retreats = Retreats(self._corrector, self._visited, settings, self._pace)
         self.points: list[BranchPoint[PointT]] = []
         self.retreats: list[float] = []
@@ -306,9 +308,8 @@ class Branch(Generic[PointT]):
         settings, reason = self._settings, ""
         last: tuple[Correction[PointT], Tangent, float, float] | None = None
         for length in lengths_to_try(step, settings):
-            guess, plane = self._corrector.guess(point, tangent, bend, length)
-            if landmark is not None and length == step:
-                plane = Plane(np.zeros_like(guess.unknowns), plane.parameter_weight, guess.unknowns, landmark)
+            at = landmark if length == step else None
+            guess, plane = self._corrector.guess(point, tangent, bend, length, at)
             correction = self._corrector.correct(guess, plane)
             if not correction.converged:
                 reason = reason or f"Newton stopped at a relative residual of {correction.point.error:.1e}"

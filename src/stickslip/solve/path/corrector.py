@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Generic
+from collections.abc import Callable
+from typing import Generic, TypeAlias
 
 import numpy as np
 
+from stickslip.core.validation import FloatArray
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
 from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import Linearised, Plane, Point, PointT
@@ -15,16 +17,22 @@ from stickslip.solve.path.stepping import Effort
 TANGENT_TOLERANCE = 1e-4
 # Floor of the scale of the motion, whose square must not underflow.
 SMALLEST_MOTION = 1e-150
+# (point of a curve, parameters) -> the solution there where equations are linear, or a guess of it; None elsewhere.
+Known: TypeAlias = Callable[[PointT, FloatArray], PointT | None]
 
 
 class Corrector(Generic[PointT]):
     """Predicts points of a branch along its tangent and corrects them with Newton's method.
 
-    ``width`` is the range of the parameter; ``effort`` counts the iterations.
+    ``width`` is the range of the parameter; ``effort`` counts the iterations; ``known`` gives the solution at other
+    parameters where it needs no iteration (:data:`Known`).
     """
 
-    def __init__(self, newton: Newton[PointT], width: float, effort: Effort) -> None:
+    def __init__(
+        self, newton: Newton[PointT], width: float, effort: Effort, known: Known[PointT] | None = None
+    ) -> None:
         self.problem = newton.problem
+        self._known = known
         self._newton = newton
         self._width = width
         self._effort = effort
@@ -62,11 +70,21 @@ class Corrector(Generic[PointT]):
             parameter_of(point) + step * tangent.parameter,
         )
 
-    def guess(self, point: PointT, tangent: Tangent, bend: Tangent, step: float) -> tuple[PointT, Plane]:
-        """The predicted end of a step, and the plane of its correction."""
+    def guess(
+        self, point: PointT, tangent: Tangent, bend: Tangent, step: float, landmark: float | None = None
+    ) -> tuple[PointT, Plane]:
+        """The predicted end of a step, and the plane of its correction: across the tangent, or at a ``landmark``."""
         ahead = tangent.times(step).plus(bend.times(0.5 * step**2))
-        guess = self.problem.evaluate(point.unknowns + ahead.unknowns, point.parameters + ahead.parameters)
-        return guess, self.plane(point, tangent, step)
+        unknowns, parameters = point.unknowns + ahead.unknowns, point.parameters + ahead.parameters
+        plane = self.plane(point, tangent, step)
+        if landmark is not None:
+            plane = Plane(np.zeros_like(unknowns), plane.parameter_weight, unknowns, landmark)
+        if self._known is not None:
+            at = parameters if landmark is None else np.append(landmark, parameters[1:])
+            solution = self._known(point, at)
+            if solution is not None:
+                return solution, plane
+        return self.problem.evaluate(unknowns, parameters), plane
 
     def correct(self, start: PointT, plane: Plane) -> Correction[PointT]:
         """Newton's method, with its iterations counted."""
