@@ -155,11 +155,12 @@ def unreported_response(
     modal_damping_ratio: float | None, update: Update, newton: NewtonSettings | None,
     continuation: ContinuationSettings | None, traction_band: ArrayLike | None, traction_starts: int,
     outputs: ArrayLike | None, checks: bool, threads: int | None, progress: ProgressCallback | None,
-    checked_at_peak: bool = False,
+    few_digits: bool = False,
 ) -> ForcedResponse:  # fmt: skip
     """:func:`forced_response`, for a caller that reports a curve that ends early itself.
 
-    With ``checked_at_peak`` samples and harmonics are checked at the peak, not over the whole curve.
+    ``few_digits`` is for one of many curves with fixed harmonics: the points before pairs move need no iteration, and
+    samples and harmonics are checked at the peak, not over the whole curve.
     """
     began = time.perf_counter()
     window = checked_window(frequency_hz)
@@ -210,7 +211,7 @@ def unreported_response(
             return response_of(
                 curve, balances, balance, window, newton, how, report, peaks=peaks, added=added, accuracy=reached,
                 no_stability="" if checks else NO_CHECKS,
-                breaks=curve.breaks, warnings=curve.warnings, checked_at_peak=checked_at_peak,
+                breaks=curve.breaks, warnings=curve.warnings, checked_at_peak=few_digits,
             )  # fmt: skip
 
         settling = Settling(solver, curve, balances, report.stage)
@@ -218,7 +219,8 @@ def unreported_response(
         if accuracy is None:
 
             def fixed(point: BalancePoint, stop: float) -> Branch[BalancePoint]:
-                branch = Branch(solver, point, stop, settings, listen, resonances, work=work, known=curve.stuck)
+                known = curve.stuck if few_digits else None
+                branch = Branch(solver, point, stop, settings, listen, resonances, work=work, known=known)
                 branch.follow()
                 return branch
 

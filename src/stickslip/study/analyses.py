@@ -168,7 +168,7 @@ def forced_curve(
         traction_starts=analysis.traction_starts,
         outputs=outputs[:1] if numbers else outputs,
         checks=checks,
-        checked_at_peak=numbers is not None,
+        few_digits=numbers is not None,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )

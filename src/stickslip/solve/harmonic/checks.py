@@ -159,14 +159,9 @@ def check_resolution(
 
 
 def points_at_peak(trials: Sequence[Trial]) -> list[int]:
-    """The points of largest vibration and of largest relative displacement, and the middle one of those where pairs
-    move."""
-    tops = [
-        int(np.argmax([float(np.linalg.norm(each)) for each in motions]))
-        for motions in ([trial.amplitude for trial in trials], [trial.relative[1:] for trial in trials])
-    ]
-    moving = _moving(trials)
-    return sorted({*tops, *moving[len(moving) // 2 :][:1]})
+    """The points of largest vibration and of largest relative displacement."""
+    motions = [trial.amplitude for trial in trials], [trial.relative[1:] for trial in trials]
+    return sorted({int(np.argmax([float(np.linalg.norm(each)) for each in motion])) for motion in motions})
 
 
 def _moving(trials: Sequence[Trial]) -> list[int]:

@@ -132,11 +132,6 @@ class VaryingCurve:
         fixed = self.with_harmonics(self.harmonics)
         return self.lifted(fixed.evaluate(with_rows(unknowns, 2 * self.harmonics + 1), parameters))
 
-    def stuck(self, before: VaryingPoint, parameters: FloatArray) -> VaryingPoint | None:
-        """As :meth:`FrequencyCurve.stuck`."""
-        point = self.with_harmonics(self.harmonics).stuck(before, parameters)
-        return None if point is None else self.lifted(point)
-
     def linearised(self, point: VaryingPoint, plane: Plane | None) -> _Linearised:
         rows = 2 * point.harmonics + 1
         system = self.with_harmonics(point.harmonics).linearised(point, plane and resized_plane(plane, rows))
@@ -216,10 +211,7 @@ class HarmonicsByAccuracy:
             on_event(event)
 
         work = self.curve.work
-        branch = Branch(
-            self.newton, first.point, stop, settings, listen, landmarks, revise=self.revised, work=work,
-            known=self.curve.stuck,
-        )  # fmt: skip
+        branch = Branch(self.newton, first.point, stop, settings, listen, landmarks, revise=self.revised, work=work)
         self._complete(branch.follow())
         self.end()
         return branch
