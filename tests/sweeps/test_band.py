@@ -172,11 +172,14 @@ def test_any_executor_gives_the_same_band(study: Path, linear: tuple[Band, Path]
 def test_failed_and_incomplete_samples_are_reported_and_not_dropped(
     study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def partly(case: Case, model: ReducedModel, progress: Progress, threads: int, checks: bool) -> ForcedResponse:
+    def partly(
+        case: Case, model: ReducedModel, progress: Progress, threads: int, checks: bool, harmonics: int | None
+    ) -> ForcedResponse:
         force = case.sections["forces"]["push"].amplitude
         if force > 2.7e-3:
             raise ConvergenceError("No first point at 19 Hz.")
-        return replace(solve(case, model, progress, threads, checks), converged=force < 2.4e-3, message="It ended.")
+        response = solve(case, model, progress, threads, checks, harmonics)
+        return replace(response, converged=force < 2.4e-3, message="It ended.")
 
     monkeypatch.setattr(work, "solve", partly)
     band = ss.band(study, SCATTER, out=tmp_path, samples=8, limits=[LIMIT], workers=1)

@@ -1,0 +1,135 @@
+"""Samples of a band are solved with the harmonics of the central curve, and again where that is not accurate enough."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from band_cases import FORCE, linear_study, peak_m
+from law_studies import REST, interface_text, write_masses, write_study
+from stickslip.case.case import Case
+from stickslip.core.progress import SilentProgress
+from stickslip.model.model import build_model
+from stickslip.results.peaks import Peak, peaks
+from stickslip.results.response import ForcedResponse
+from stickslip.study import analyses
+from stickslip.study.analyses import SOLVED_AGAIN, forced_curve, sample_curve, solve
+from stickslip.sweeps import work
+from stickslip.sweeps.band import Band
+
+pytestmark = pytest.mark.slow
+
+ACCURACY = 0.02
+OUTPUT = np.array([1.0, 0.0, 0.0])
+SCATTER = {FORCE: "1.5 N .. 2 N"}
+
+
+@pytest.fixture(scope="module")
+def slipping(tmp_path_factory: pytest.TempPathFactory) -> Case:
+    """One mass whose joint slips at the peak, with an accuracy."""
+    folder = tmp_path_factory.mktemp("slipping")
+    write_masses(folder)
+    rest = REST.replace("[solver]", '[solver]\naccuracy = "2 %"\nsamples = 256')
+    return ss.load_case(write_study(folder, interface_text("joint", "coulomb"), rest=rest))
+
+
+@pytest.fixture(scope="module")
+def whole(slipping: Case) -> ForcedResponse:
+    """The curve of a single case, with points as accurate as the study asks."""
+    return forced_curve(slipping, build_model(slipping), SilentProgress(), 1, checks=False)
+
+
+def sample(case: Case, harmonics: int) -> ForcedResponse:
+    return sample_curve(case, build_model(case), SilentProgress(), 1, harmonics)
+
+
+def highest(response: ForcedResponse) -> Peak:
+    return peaks(response.frequency_hz, response.amplitude(OUTPUT))[0]
+
+
+def test_a_sample_that_only_sticks_is_exact_and_needs_no_iteration(tmp_path: Path) -> None:
+    case = ss.load_case(linear_study(tmp_path)).replace(
+        {"solver.harmonics": None, "solver.accuracy": "2 %", "solver.samples": 64}
+    )
+    response = sample(case, 3)
+    assert highest(response).amplitude == pytest.approx(peak_m(2e-3, 0.02), rel=1e-5)
+    assert response.residual.max() < 1e-12
+    assert response.iterations[:-1].tolist() == [0] * (response.n_points - 1)
+    assert response.frequency_hz[[0, -1]] == pytest.approx([19.0, 24.0], rel=1e-12)
+    assert SOLVED_AGAIN not in response.settings
+
+
+def test_a_sample_agrees_with_the_whole_curve_within_the_accuracy(slipping: Case, whole: ForcedResponse) -> None:
+    response = sample(slipping, whole.harmonics)
+    assert (response.contact_state != 0).any()  # it slips
+    settings = response.settings
+    assert (settings["harmonics"], settings["samples"]) == (whole.harmonics, 128)
+    assert settings["newton_tolerance"] == 1e-4 * ACCURACY
+    assert response.n_points < whole.n_points
+    assert response.point_harmonics is None
+    quick, known = highest(response), highest(whole)
+    assert quick.amplitude == pytest.approx(known.amplitude, rel=ACCURACY)
+    assert quick.frequency_hz == pytest.approx(known.frequency_hz, rel=1e-3)
+    # no point between the two curves is further away than the accuracy and the interpolation of both
+    at = np.linspace(16.0, 29.0, 60)
+    curves = [np.interp(at, each.frequency_hz, each.amplitude(OUTPUT)) for each in (response, whole)]
+    np.testing.assert_allclose(*curves, atol=ACCURACY * known.amplitude)
+
+
+def test_a_sample_with_too_few_harmonics_is_solved_again(slipping: Case, whole: ForcedResponse) -> None:
+    response = sample(slipping, 1)
+    assert np.array_equal(response.frequency_hz, whole.frequency_hz)
+    assert np.array_equal(response.displacement, whole.displacement)
+    words = str(response.settings[SOLVED_AGAIN])
+    assert float(words.removeprefix("the estimated error by neglected harmonics is ").removesuffix(" %")) > 2.0
+
+
+def test_a_sample_with_too_few_samples_of_a_period_is_solved_again(
+    slipping: Case, whole: ForcedResponse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(analyses, "SAMPLED_SHARE", 0.0)
+    response = sample(slipping, whole.harmonics)
+    assert np.array_equal(response.displacement, whole.displacement)
+    assert str(response.settings[SOLVED_AGAIN]).startswith("the residual with doubled samples is ")
+
+
+def test_a_sample_whose_quick_curve_ends_early_is_solved_again(
+    slipping: Case, whole: ForcedResponse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    numbers = analyses.CurveNumbers(whole.harmonics, 128, 1e-300, 0.1)  # no digits reach this tolerance
+    monkeypatch.setattr(analyses, "_quick_numbers", lambda *arguments: numbers)
+    response = sample(slipping, whole.harmonics)
+    assert response.converged
+    assert np.array_equal(response.displacement, whole.displacement)
+    assert response.settings[SOLVED_AGAIN]
+
+
+def test_samples_have_the_harmonics_of_the_central_curve(
+    slipping: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The central curve is solved before them; a second band into the folder reuses it."""
+    given: list[object] = []
+
+    def seen(*arguments: object, **options: object) -> object:
+        given.append(options["harmonics"])
+        return solve(*arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(work, "solve", seen)
+
+    def banded(samples: int, *limits: str) -> Band:
+        return ss.band(slipping, SCATTER, out=tmp_path, samples=samples, limits=limits, workers=1)
+
+    first = banded(8)
+    assert given == [None, *8 * given[1:2]]
+    assert isinstance(given[1], int)
+    assert len(first.table.rows) == 8
+    given.clear()
+    more = banded(10)
+    assert (more.reused, len(given)) == (8, 2)
+    assert more.table.rows[:8] == first.table.rows
+    given.clear()
+    banded(8, "upward_peak_amplitude < 1 m")  # stability decides, so each sample is a whole curve
+    assert given == [None] * 8
