@@ -33,7 +33,7 @@ MOST_POINTS = 300
 # chosen: the tolerance of the balance of such a curve, over the accuracy, and the largest residual with doubled samples
 # at its peak, also over the accuracy (2e-3, that of all curves, for 2 %).
 DIGITS, SAMPLED_SHARE = 1e-4, 0.1
-# chosen: its longest step. With 0.2 in place of 0.14 the default case has 58 points instead of 69, but as many iterations.
+# chosen: its longest step. With 0.2 in place of 0.14 the default case has 58 points, not 69, but as many iterations.
 LONGEST_STEP = 0.2
 # Entry of the settings of a response: why a first, quick curve was no result.
 SOLVED_AGAIN = "solved_again"
