@@ -176,7 +176,7 @@ def _measure_cells(row: ComparedMeasure) -> tuple[str, list[str]]:
     for value, difference in zip(row.values, row.differences, strict=True):
         text = "–" if value is None else _shown(row.name, factor * value, unit, counts)
         if difference is not None and cells and not counts and row.name not in _NO_PERCENT:
-            text += f" ({_signed(100.0 * difference)})"
+            text += f" ({_signed(100.0 * difference)})".replace(" %", "\N{NO-BREAK SPACE}%")
         cells.append(text)
     meaning = _WORDS.get(row.name, row.meaning[0].upper() + row.meaning[1:])
     return (meaning if unit in ("1", "") else f"{meaning}, {unit}"), cells

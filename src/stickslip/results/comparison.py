@@ -18,6 +18,8 @@ from stickslip.results.table import Table, column_of
 _LONGEST_NAME = 60  # chosen: letters, in one line of a legend
 _CHECKSUM = re.compile(r"_[0-9a-f]{12}$")  # as stickslip.sweeps.plan.case_name ends
 _DIGITS = re.compile(r"(?<![\w.])\d+\.\d{3,}(?:e[-+]?\d+)?")  # numbers with more digits than a name needs
+# Keys of study files that several sections have, or that say nothing without theirs.
+_ONLY_WITH_SECTION = frozenset({"coefficient", "kind", "law", "file", "values", "element", "amplitude", "direction"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +81,14 @@ def differing_inputs(studies: Sequence[StudyRecord]) -> dict[str, tuple[str | No
 
 
 def names_of_cases(names: Sequence[str], studies: Sequence[StudyRecord]) -> tuple[str, ...]:
-    """Names for cases of a sweep, whose folders end in a checksum: the inputs that differ, as "speed 3000 rpm".
+    """Names for cases of a sweep, whose folders end in a checksum: the inputs that differ, as "speed 3000 rpm" or,
+    where the key alone says too little, "friction coefficient 0.2".
 
     Numbers have four digits if the names then still differ. Where these are long or equal, the ``names`` of the folders
     remain, without their checksums if they then differ.
     """
     inputs = differing_inputs(studies)
-    words = [key.rpartition(".")[2].replace("_", " ") for key in inputs]
+    words = [_words_of(key) for key in inputs]
     described = [
         ", ".join(f"{word} {'none' if value is None else value}" for word, value in zip(words, row, strict=True))
         for row in zip(*inputs.values(), strict=True)
@@ -95,6 +98,13 @@ def names_of_cases(names: Sequence[str], studies: Sequence[StudyRecord]) -> tupl
             return tuple(each)
     plain = tuple(_CHECKSUM.sub("", name) for name in names)
     return plain if len(set(plain)) == len(names) else tuple(names)
+
+
+def _words_of(key: str) -> str:
+    """The key in words, after the section or the name of a part where the key alone says too little."""
+    *section, last = key.split(".")
+    named = [*section[-1:], last] if last in _ONLY_WITH_SECTION else [last]
+    return " ".join(named).replace("_", " ")
 
 
 def _rounded(found: re.Match[str]) -> str:
