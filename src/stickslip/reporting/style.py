@@ -29,6 +29,8 @@ STATES = (
     StateStyle(VERMILLION, "triangle-up", "^"),
 )
 
+NEGLIGIBLE_PERCENT = 0.005  # chosen: smaller percentages of two results are those of tolerances
+
 AXIS_NAMES = ("t1", "t2", "n")
 LINE_COLOURS = (BLUE, VERMILLION, GREEN)
 LINE_DASHES = ("solid", "dash", "dot")

@@ -13,7 +13,7 @@ from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMIL
 from stickslip.core.shown_numbers import number
 from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import caution
-from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
+from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey, short_key
 
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, INK)
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
@@ -104,15 +104,9 @@ def value_words(key: SweptKey, position: int) -> str:
     return f"{number(key.shown[position], 6)} {key.shown_unit}".rstrip()
 
 
-# Sections whose keys need their name: the coefficient of the friction, the amplitude of the excitation.
-_NAMING = frozenset({"friction", "excitation", "damper", "material", "roughness"})
-
-
 def short_name(key: SweptKey) -> str:
-    """Last part of the name of a key, in words; with its section where one word alone may mean anything."""
-    section, name = key.name.split(".", 1)
-    words = name.replace(".", " ").replace("_", " ")
-    return f"{section} {words}" if section in _NAMING and " " not in words else words
+    """The key in words, as :func:`stickslip.results.sweep_table.short_key` says."""
+    return short_key(key.name)
 
 
 def axis_title(key: SweptKey) -> str:

@@ -12,14 +12,12 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.measures import SUMMARY_COLUMNS
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.results.sweep_table import SweepCurve, curve_and_measures
+from stickslip.results.sweep_table import SweepCurve, curve_and_measures, short_key
 from stickslip.results.table import Table, column_of
 
 _LONGEST_NAME = 60  # chosen: letters, in one line of a legend
 _CHECKSUM = re.compile(r"_[0-9a-f]{12}$")  # as stickslip.sweeps.plan.case_name ends
 _DIGITS = re.compile(r"(?<![\w.])\d+\.\d{3,}(?:e[-+]?\d+)?")  # numbers with more digits than a name needs
-# Keys of study files that several sections have, or that say nothing without theirs.
-_ONLY_WITH_SECTION = frozenset({"coefficient", "kind", "law", "file", "values", "element", "amplitude", "direction"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +86,7 @@ def names_of_cases(names: Sequence[str], studies: Sequence[StudyRecord]) -> tupl
     remain, without their checksums if they then differ.
     """
     inputs = differing_inputs(studies)
-    words = [_words_of(key) for key in inputs]
+    words = [short_key(key) for key in inputs]
     described = [
         ", ".join(f"{word} {'none' if value is None else value}" for word, value in zip(words, row, strict=True))
         for row in zip(*inputs.values(), strict=True)
@@ -98,13 +96,6 @@ def names_of_cases(names: Sequence[str], studies: Sequence[StudyRecord]) -> tupl
             return tuple(each)
     plain = tuple(_CHECKSUM.sub("", name) for name in names)
     return plain if len(set(plain)) == len(names) else tuple(names)
-
-
-def _words_of(key: str) -> str:
-    """The key in words, after the section or the name of a part where the key alone says too little."""
-    *section, last = key.split(".")
-    named = [*section[-1:], last] if last in _ONLY_WITH_SECTION else [last]
-    return " ".join(named).replace("_", " ")
 
 
 def _rounded(found: re.Match[str]) -> str:
