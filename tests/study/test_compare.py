@@ -94,6 +94,9 @@ def test_the_answer_ranks_only_what_is_known() -> None:
     assert equal.startswith("All peaks are equal within 0.5 %: ")
     assert rest.startswith("Without a rank: b. ")
     assert same == "The inputs are the same."
+    far = [results[0], Compared("e", scaled(5.0), study)]
+    (words, _) = compare_verdict(far, [each.curve_and_measures()[1] for each in far], {})
+    assert "The highest one, e, is 5 times as high: " in words
     assert compare_verdict(results, measures, {"forces.gas.amplitude": None})[-1].startswith("The excitation differs")
     reordered = replace(study, outputs=dict(reversed(study.outputs.items())))
     other = [results[0], Compared("d", synthetic_response(), reordered)]
@@ -241,4 +244,6 @@ def test_a_reduction_has_no_quotient_of_two_fractions() -> None:
     reduction = ComparedMeasure("reduction_from_stuck", "1", "1 - peak / linear stuck peak", (-0.043, 0.177))
     assert [cell.count("(") for cell in _measure_cells(reduction)[1]] == [0, 0]
     amplitude = ComparedMeasure("peak_amplitude_m", "m", "peak", (1e-4, 2e-4))
+    negligible = ComparedMeasure("reduction_from_stuck", "1", "1 - peak / linear stuck peak", (6e-7, 0.2))
+    assert _measure_cells(negligible)[1] == ["0", "20"]
     assert _measure_cells(amplitude)[1][1].endswith("(+100\N{NO-BREAK SPACE}%)")

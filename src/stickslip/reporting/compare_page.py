@@ -18,7 +18,7 @@ from stickslip.reporting import sweep_plots
 from stickslip.reporting.campbell_figure import campbell_figure, crossing_rows
 from stickslip.reporting.compare_verdict import compare_verdict
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_figures
-from stickslip.reporting.style import NEGLIGIBLE_PERCENT, shown_number
+from stickslip.reporting.style import NEGLIGIBLE_PERCENT, shown_measure, shown_number
 from stickslip.reporting.sweep_view import COLOURS, DASHES, SweepView
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.results.campbell import campbell
@@ -184,7 +184,7 @@ def _measure_cells(row: ComparedMeasure) -> tuple[str, list[str]]:
 def _shown(name: str, value: float, unit: str, counts: bool) -> str:
     if name == "peak_bracketed":
         return "yes" if value else "no"
-    return str(int(value)) if counts else shown_number(float(value), unit)
+    return str(int(value)) if counts else shown_measure(float(value), unit)
 
 
 def _signed(percent: float) -> str:

@@ -46,6 +46,11 @@ def face_colour(face: int) -> str:
     return FACE_COLOURS[face % len(FACE_COLOURS)]
 
 
+def shown_measure(value: float, unit: str) -> str:
+    """A measure of a result in tables beside others: a negligible percentage is zero."""
+    return shown_number(0.0 if unit == "%" and abs(value) < NEGLIGIBLE_PERCENT else value, unit)
+
+
 def shown_number(value: float | int | str, unit: str) -> str:
     """A derived number as tables show it: four digits, frequencies as :func:`stickslip.results.measures.hertz` says."""
     return hertz(value).replace("-", "−") if unit == "Hz" and isinstance(value, float) else number(value)

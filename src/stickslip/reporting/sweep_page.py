@@ -17,7 +17,7 @@ from stickslip.reporting import sweep_plots as plots
 from stickslip.reporting.best_of_worst import best_of_worst
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.look import Figure, plain_figures
-from stickslip.reporting.style import NEGLIGIBLE_PERCENT, shown_number
+from stickslip.reporting.style import shown_measure
 from stickslip.reporting.sweep_performance import optima, performance
 from stickslip.reporting.sweep_styles import LEGEND_ENTRIES, styles_of
 from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, peak_remark, short_name, value_words
@@ -221,8 +221,6 @@ def _table_row(view: SweepView, place: int, columns: tuple[str, ...], page: str)
     cells = [value_words(key, positions[i]) for i, key in enumerate(view.table.keys)]
     for name in columns:
         _, factor, unit = _COLUMNS[name]
-        value = factor * row.measures.get(name, math.nan)
-        if unit == "%" and abs(value) < NEGLIGIBLE_PERCENT:
-            value = 0.0
-        cells.append("–" if math.isnan(value) else shown_number(value, unit))
+        value = row.measures.get(name, math.nan)
+        cells.append("–" if math.isnan(value) else shown_measure(factor * value, unit))
     return _Row(cells, peak_remark(row), row.warnings, page)
