@@ -51,7 +51,7 @@ def campbell_figure(diagram: Campbell) -> Figure:
     return figure_of(
         traces,
         460,
-        xaxis=axis_look("Speed of rotation, rpm", range=[low, 1.02 * last]),
+        xaxis=axis_look("Speed of rotation, rpm", range=[low, 1.02 * last], tickformat=".6~g"),
         yaxis=axis_look("Natural frequency, Hz", range=[0.0, top]),
         annotations=notes,
         hovermode="closest",
