@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE
-from stickslip.core.shown_numbers import MICRO, number, raised
+from stickslip.core.shown_numbers import MICRO, number, typeset
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis
 from stickslip.reporting.section import Section
@@ -136,7 +136,7 @@ NONLINEAR_MODE = Section(
   </div>
   {{ parts.figure("mode-states", "Contact states", "Contact states of the mode against modal amplitude") }}
 """,
-    lambda view: {"words": raised(" ".join(_words(view))).replace("kg^0.5", "√kg")},
+    lambda view: {"words": typeset(" ".join(_words(view)))},
     lambda view: {
         "mode-frequency": frequency_of_mode(view),
         "mode-damping": damping_of_mode(view),
