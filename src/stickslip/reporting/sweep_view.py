@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
-from stickslip.core.shown_numbers import number
+from stickslip.core.shown_numbers import number, unit_on_page
 from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import caution
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey, short_key
@@ -101,7 +101,7 @@ def value_words(key: SweptKey, position: int) -> str:
     """A value of a key with its unit, as pages write numbers."""
     if key.is_choice:
         return key.labels[position]
-    return f"{number(key.shown[position], 6)} {key.shown_unit}".rstrip()
+    return f"{number(key.shown[position], 6)} {unit_on_page(key.shown_unit)}".rstrip()
 
 
 def short_name(key: SweptKey) -> str:
@@ -111,7 +111,12 @@ def short_name(key: SweptKey) -> str:
 
 def axis_title(key: SweptKey) -> str:
     """Name of a key as in the study file, and its unit."""
-    return f"{key.name}{', ' + key.shown_unit if key.shown_unit else ''}"
+    return with_unit(key.name, key)
+
+
+def with_unit(name: str, key: SweptKey) -> str:
+    """A name of a key with the unit of its shown values."""
+    return f"{name}{', ' + unit_on_page(key.shown_unit) if key.shown_unit else ''}"
 
 
 def is_logarithmic(values: FloatArray) -> bool:
