@@ -233,3 +233,12 @@ def test_each_kind_says_how_its_faces_get_more_rows_of_pairs() -> None:
     section, key = TwoBladeCase.finer_faces.split(" = ")[0].split(".")
     assert key in Case.allowed_keys()[section]
     assert MeshCase.finer_faces != TwoBladeCase.finer_faces
+
+
+def test_another_kind_of_a_section_is_a_change() -> None:
+    """The kind is the default of its own class, not that of the section."""
+    flat = Case.from_mapping({"damper": {"kind": "flat", "thickness": "3 mm"}, "geometry": {"platform_angle": "0 deg"}})
+    assert 'damper.kind = "flat"' in flat.changed_keys()
+    mode = {"kind": "mode", "smallest_amplitude": "1 um", "largest_amplitude": "10 um"}
+    assert 'analysis.kind = "mode"' in Case.from_mapping({"analysis": mode}).changed_keys()
+    assert Case.from_mapping({}).changed_keys() == ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from stickslip.core.shown_numbers import capital, number, raised
+from stickslip.core.shown_numbers import capital, number, raised, typeset, unit_on_page
 
 
 @pytest.mark.parametrize(
@@ -30,3 +30,13 @@ def test_a_small_number_has_a_power_of_ten() -> None:
 def test_a_heading_keeps_the_capitals_of_its_names() -> None:
     assert capital("load of Platform A") == "Load of Platform A"
     assert capital("") == ""
+
+
+def test_a_sentence_of_a_terminal_is_typeset_on_a_page() -> None:
+    assert typeset("by up to 0.000755 um, at 2.9e-05 m kg^0.5 and -3 Hz") == (
+        "by up to 0.000755 µm, at 2.9 × 10⁻⁵ m √kg and −3 Hz"
+    )
+    assert unit_on_page("um") == "µm"
+    assert unit_on_page("1/um, lump") == "1/µm, lump"
+    copied = 'sq = "5 um", solver.tolerance = 1e-09, stickslip run --out x-1, 2026-11-26'
+    assert typeset(copied) == copied

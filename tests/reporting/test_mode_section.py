@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stickslip.contact.law.law import ContactState
+from stickslip.reporting.further_answers import further_answers
 from stickslip.reporting.mode_section import damping_of_mode, frequency_of_mode, states_of_mode
 from stickslip.reporting.page import page
 from stickslip.reporting.view import View
@@ -86,6 +87,11 @@ def test_the_figures_show_the_mode_over_a_logarithmic_axis() -> None:
     assert (stuck["y"], sliding["y"]) == ([500.0, 500.0], [410.0, 410.0])
     assert curve["x"] == pytest.approx(mode.modal_amplitude, rel=1e-6)
     assert curve["text"][0].endswith("µm")
+    far = replace(mode, sliding_frequency_hz=np.full_like(mode.sliding_frequency_hz, 1.0))
+    response = replace(view.response, nonlinear_mode=far)
+    assert [trace["name"] for trace in frequency_of_mode(View.of(response, STUDY))["data"]][:-1] == [stuck["name"]]
+    assert "not in the figure: linear sliding mode 1, 1.00 Hz" in section(response)
+    assert "mode 2 goes from " in " ".join(further_answers(view))
     damping = damping_of_mode(view)
     assert damping["layout"]["xaxis"]["type"] == "log"
     assert damping["data"][0]["y"] == pytest.approx(100.0 * mode.damping_ratio, rel=1e-6)

@@ -127,7 +127,7 @@ def test_a_table_without_some_combinations_has_a_page() -> None:
     assert figures_of(view)["map-0"]["data"][0]["z"] == [[300.0, 100.0, 200.0, 400.0], [400.0, None, 300.0, 500.0]]
     # 200 N has the lowest peak, but no peak under the second load case
     text = page_of(view)
-    assert "The lowest of the highest peaks is 300 µm, of the design with centrifugal force 400 N" in text
+    assert "Best design: centrifugal force 400 N. Its highest peak is 300 µm, in the load case" in text
     assert "1 designs with an unknown peak do not count" in text
 
 

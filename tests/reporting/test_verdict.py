@@ -82,8 +82,16 @@ def test_lengths_have_units_that_fit(value: float, words: tuple[str, str]) -> No
 def test_the_best_design_is_that_of_the_lowest_worst_load_case() -> None:
     # friction 0.1: 100 and 400 um under the two forces; friction 0.3: 200 and 300 um
     answer = best_of_worst(sweep_view((DESIGN, FORCES), [1e-4, 4e-4, 2e-4, 3e-4]))
-    assert answer.startswith("The lowest of the highest peaks is 300 µm, of the design with friction coefficient 0.3;")
-    assert answer.endswith("its worst load case (excitation amplitude) is excitation amplitude 200 N.")
+    assert answer.startswith("Best design: friction coefficient 0.3. Its highest peak is 300 µm, ")
+    assert answer.endswith(", in the load case excitation amplitude 200 N.")
+
+
+def test_a_best_design_at_an_end_of_the_values_may_not_be_the_best() -> None:
+    three = SweptKey("friction.coefficient", "", (0.1, 0.2, 0.3), (0.1, 0.2, 0.3), "", ("0.1", "0.2", "0.3"))
+    assert best_of_worst(sweep_view((three,), [3e-4, 2e-4, 1e-4])).endswith(
+        "This is at an end of the values of friction coefficient: a better one may be beyond."
+    )
+    assert "at an end" not in best_of_worst(sweep_view((three,), [3e-4, 1e-4, 2e-4]))
 
 
 def test_a_design_with_an_unknown_peak_does_not_count() -> None:

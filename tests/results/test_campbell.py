@@ -73,5 +73,16 @@ def test_the_page_has_the_diagram_with_its_crossings() -> None:
     assert marks["x"] == pytest.approx(sorted(6000.0 / order for order in range(1, 11)))
     assert crossing_rows(diagram)[-1] == ("1", "1", "6000", "100.00")
     names = [note["text"] for note in figure["layout"]["annotations"]]
-    assert names[0] == "1"
-    assert len(names) < 10  # those of high orders would overlap
+    assert names == [str(order) for order in range(1, 11)]  # beside each other or in rows
+
+
+def test_names_of_engine_orders_do_not_overlap() -> None:
+    speeds, frequency = np.array([600.0, 6000.0]), np.array([[900.0], [900.0]])
+    diagram = Campbell(("a", "b"), speeds, frequency, 0.8 * frequency)
+    few, named = campbell_figure(diagram), [str(order) for order in diagram.orders][:15]
+    many = campbell_figure(Campbell(("a", "b"), speeds, frequency, 0.8 * frequency, asked=tuple(range(1, 60))))
+    assert [note["text"] for note in few["layout"]["annotations"]][:15] == named
+    places = [(note["x"] / 6000.0, note["y"] / (1.08 * 900.0)) for note in many["layout"]["annotations"]]
+    assert len(places) < 59  # no room for all
+    for at, (x, y) in enumerate(places):
+        assert all(abs(x - other) >= 0.0499 or abs(y - height) >= 0.0449 for other, height in places[:at])

@@ -71,7 +71,7 @@ def test_the_page_has_curves_differences_and_inputs(two: list[Path], tmp_path: P
     ):
         assert words in text
     assert "fractal_dimension" not in text
-    assert re.search(r"Highest peak on the curve, µm</th><td>[\d.]+</td><td>[\d.]+ \(\+10 %\)", text)
+    assert re.search(r"Highest peak on the curve, µm</th><td>[\d.]+</td><td>[\d.]+ \(\+10\N{NO-BREAK SPACE}%\)", text)
     figures = json.loads(re.findall(r'id="page-figures">(.*?)</script>', text, re.DOTALL)[0])
     entries = [trace["name"] for trace in figures["curves"]["data"] if "legendgroup" in trace]
     assert entries == ["first &lt;run&gt;", "second"]
@@ -94,6 +94,9 @@ def test_the_answer_ranks_only_what_is_known() -> None:
     assert equal.startswith("All peaks are equal within 0.5 %: ")
     assert rest.startswith("Without a rank: b. ")
     assert same == "The inputs are the same."
+    far = [results[0], Compared("e", scaled(5.0), study)]
+    (words, _) = compare_verdict(far, [each.curve_and_measures()[1] for each in far], {})
+    assert "The highest one, e, is 5 times as high: " in words
     assert compare_verdict(results, measures, {"forces.gas.amplitude": None})[-1].startswith("The excitation differs")
     reordered = replace(study, outputs=dict(reversed(study.outputs.items())))
     other = [results[0], Compared("d", synthetic_response(), reordered)]
@@ -110,6 +113,11 @@ def test_cases_of_a_sweep_have_the_names_of_their_inputs() -> None:
     assert names_of_cases(folders, long) == ("friction coefficient 0.1968", "friction coefficient 0.2")
     close = [replace(study, inputs=study.inputs.replace("0.3", digits)) for digits in ("0.196798967", "0.196798968")]
     assert names_of_cases(folders, close)[1] == "friction coefficient 0.196798968"
+    section = [
+        replace(study, inputs=f"[friction]\ncoefficient = {number}\n[preload]\nspeed_of_rotation = {number}\n")
+        for number in (0.2, 0.4)
+    ]
+    assert names_of_cases(folders, section)[0] == "friction coefficient 0.2, speed of rotation 0.2"
     alike = ("a_0123456789ab", "a_ba9876543210")
     assert names_of_cases(alike, [study, study]) == alike
 
@@ -236,4 +244,6 @@ def test_a_reduction_has_no_quotient_of_two_fractions() -> None:
     reduction = ComparedMeasure("reduction_from_stuck", "1", "1 - peak / linear stuck peak", (-0.043, 0.177))
     assert [cell.count("(") for cell in _measure_cells(reduction)[1]] == [0, 0]
     amplitude = ComparedMeasure("peak_amplitude_m", "m", "peak", (1e-4, 2e-4))
-    assert _measure_cells(amplitude)[1][1].endswith("(+100 %)")
+    negligible = ComparedMeasure("reduction_from_stuck", "1", "1 - peak / linear stuck peak", (6e-7, 0.2))
+    assert _measure_cells(negligible)[1] == ["0", "20"]
+    assert _measure_cells(amplitude)[1][1].endswith("(+100\N{NO-BREAK SPACE}%)")

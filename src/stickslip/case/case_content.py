@@ -75,8 +75,15 @@ class CaseContent(BaseModel):
             entries = {f"{name}.{entry}": each for entry, each in section.items()} if isinstance(section, dict) else {}
             for title, values in (entries or {name: section}).items():
                 if values is not None and not isinstance(values, dict):
-                    lines += [f"{title}.{text}" for text in changed_texts(values)]
+                    lines += [f"{title}.{text}" for text in (*self._other_kind(name, values), *changed_texts(values))]
         return tuple(lines)
+
+    def _other_kind(self, name: str, section: BaseModel) -> list[str]:
+        """The kind of a section, which is the default of its own class, where the default section has another one."""
+        default = type(self).model_fields[name].get_default(call_default_factory=True)
+        if not isinstance(default, BaseModel) or isinstance(section, type(default)):
+            return []
+        return [f'kind = "{section.kind}"'] if hasattr(section, "kind") else []
 
     def as_mapping(self, only_explicit: bool) -> dict[str, dict[str, Any]]:
         """Section -> key -> value as in a study file, without empty keys, or only with explicit keys of the file."""

@@ -56,6 +56,19 @@ def raised(words: str) -> str:
     return re.sub(r"(?<![\w.])(-?\d[\d.]*)(?:e([-+]?\d+))?", lambda found: _power(*found.groups()), words)
 
 
+def unit_on_page(unit: str) -> str:
+    """The unit of a key as a page shows it: µm, which a study file may write as um."""
+    return re.sub(r"\bum\b", "µm", unit)
+
+
+def typeset(words: str) -> str:
+    """A sentence of a terminal as a page shows it: µm, √kg, powers of ten, true minus signs; but values of keys, such
+    as ``tolerance = 1e-9`` or ``sq = "5 um"``, as they are copied into a study file."""
+    parts = re.split(r'(= "[^"]*"|= \S+)', words)
+    parts[::2] = [raised(unit_on_page(part)) for part in parts[::2]]
+    return "".join(parts).replace("kg^0.5", "√kg")
+
+
 def capital(words: str) -> str:
     """Words with a capital at their beginning; names among them stay as they are."""
     return words[:1].upper() + words[1:]

@@ -84,10 +84,10 @@ def speed_facts(speed: float, coriolis: bool = False) -> Iterator[Derived]:
 def speed_messages(speed: float, loads_follow: bool, coriolis: bool = False, remedy: str = "") -> Iterator[str]:
     """What a speed in rad/s does not change; ``remedy`` for missing Coriolis forces."""
     if speed and not coriolis:
-        yield f"[rotation] at {speed / RPM:.4g} rpm: {_WITHOUT_CORIOLIS}{remedy}."
+        yield f"[rotation] at {speed / RPM:.6g} rpm: {_WITHOUT_CORIOLIS}{remedy}."
     if speed and not loads_follow:
         yield (
-            f"[rotation] at {speed / RPM:.4g} rpm does not change the normal loads, which are those that the study "
+            f"[rotation] at {speed / RPM:.6g} rpm does not change the normal loads, which are those that the study "
             "gives. Give those at this speed."
         )
 

@@ -16,7 +16,7 @@ from stickslip.core.shown_numbers import number
 from stickslip.reporting import band_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import shown_number
-from stickslip.reporting.sweep_view import peak_remark, short_name
+from stickslip.reporting.sweep_view import peak_remark, short_name, with_unit
 from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
 from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure, Exceedance
 from stickslip.results.band_statistics import BandStatistics
@@ -216,7 +216,7 @@ def _influence_words(statistics: BandStatistics, name: str) -> tuple[str, str]:
 
 def _heading(statistics: BandStatistics, place: int) -> str:
     key = statistics.table.keys[place]
-    return f"{short_name(key)}{', ' + key.shown_unit if key.shown_unit else ''}"
+    return with_unit(short_name(key), key)
 
 
 def _sample_row(statistics: BandStatistics, place: int) -> dict[str, Any]:

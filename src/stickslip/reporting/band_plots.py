@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE, VERMILLION
-from stickslip.core.shown_numbers import MICRO
+from stickslip.core.shown_numbers import MICRO, unit_on_page
 from stickslip.reporting.look import (
     FREQUENCY,
     Figure,
@@ -213,7 +213,7 @@ def against_input(statistics: BandStatistics, place: int) -> Figure:
         "x": x,
         "y": plain_list(peak[rows]),
         "marker": {"size": 7, "color": BLUE, "opacity": 0.75},
-        "hovertemplate": PlotMarkup("%{{x}} {}<br>%{{y:.4g}} µm<extra></extra>").format(key.shown_unit),
+        "hovertemplate": PlotMarkup("%{{x}} {}<br>%{{y:.4g}} µm<extra></extra>").format(unit_on_page(key.shown_unit)),
         "showlegend": False,
     }
     return figure_of(

@@ -33,9 +33,17 @@ def best_of_worst(view: SweepView) -> str:
     worst = [int(rows[peak[rows].argmax()]) for rows in complete]
     best = min(worst, key=lambda row: peak[row])
     top, design = " ".join(length(float(peak[best]))), view.label(best, tuple(loads))
-    words = f"The lowest of the highest peaks is {top}, of the design with {design}"
+    words = f"Best design: {design}. Its highest peak is {top}"
     if loads:
-        cases = " and ".join(short_name(view.table.keys[place]) for place in loads)
-        words += f"; its worst load case ({cases}) is {view.label(best, tuple(designs))}"
+        words += f", in the load case {view.label(best, tuple(designs))}"
+    words += "." + "".join(_at_an_end(view, best, place) for place in designs)
     left_out = len(groups) - len(complete)
-    return f"{words}." + (f" {left_out} designs with an unknown peak do not count." if left_out else "")
+    return words + (f" {left_out} designs with an unknown peak do not count." if left_out else "")
+
+
+def _at_an_end(view: SweepView, row: int, place: int) -> str:
+    """A sentence if the value of this row is at an end of a range of numbers."""
+    key = view.table.keys[place]
+    if len(key.shown) <= 2 or key.shown[view.positions[row, place]] not in (min(key.shown), max(key.shown)):
+        return ""
+    return f" This is at an end of the values of {short_name(key)}: a better one may be beyond."

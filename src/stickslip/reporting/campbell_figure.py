@@ -15,7 +15,10 @@ from stickslip.results.campbell import Campbell, Crossing
 
 _PALE = "#c3ccd5"  # of engine orders that no study asks for
 _ROOM = 1.08  # of the highest frequency, for the names of the engine orders
-_BETWEEN_NAMES = 0.05  # chosen: of the highest speed; nearer names overlap on a phone
+# Chosen: nearer names overlap on a phone. Of the highest speed, and of the height of the figure.
+_BETWEEN_NAMES = 0.05, 0.045
+# Places of a name along its line, as fractions: the end, or below it where other names leave no room there.
+_PLACES = (1.0, 0.95, 0.9, 0.85, 0.8)
 
 
 def campbell_figure(diagram: Campbell) -> Figure:
@@ -23,16 +26,19 @@ def campbell_figure(diagram: Campbell) -> Figure:
     thin lines, with names."""
     top, last = _ROOM * diagram.highest_hz, float(diagram.speed_rpm[-1])
     traces: list[dict[str, Any]] = []
+    taken: list[tuple[float, float]] = []  # speed and frequency of the names, as fractions of the figure
     notes = []
-    free_above = np.inf  # the next name to the left is not nearer than this
     for order in diagram.asked or diagram.orders:
         end = min(last, 60.0 * top / order)
         look = (VERMILLION, "dash", 1.8) if diagram.asked else (_PALE, "solid", 0.7)
         trace = line_trace(f"engine order {order}", [0.0, end], [0.0, order * end / 60.0], *look, hoverinfo="skip")
         traces.append(trace | {"showlegend": bool(diagram.asked)})
-        if end < free_above:
-            notes.append(_name(order, end))
-            free_above = end - _BETWEEN_NAMES * last
+        for place in _PLACES:
+            here = place * end / last, order * place * end / 60.0 / top
+            if not any(_overlap(here, other) for other in taken):
+                taken.append(here)
+                notes.append(_name(order, place * end))
+                break
     for name, frequency, colour, dash in (
         ("contacts stuck", diagram.stuck_hz, BLUE, "solid"),
         ("no contact", diagram.free_hz, ORANGE, "dot"),
@@ -45,11 +51,15 @@ def campbell_figure(diagram: Campbell) -> Figure:
     return figure_of(
         traces,
         460,
-        xaxis=axis_look("Speed of rotation, rpm", range=[low, 1.02 * last]),
+        xaxis=axis_look("Speed of rotation, rpm", range=[low, 1.02 * last], tickformat=".6~g"),
         yaxis=axis_look("Natural frequency, Hz", range=[0.0, top]),
         annotations=notes,
         hovermode="closest",
     )
+
+
+def _overlap(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    return all(abs(a - b) < room for a, b, room in zip(one, other, _BETWEEN_NAMES, strict=True))
 
 
 def _name(order: int, speed_rpm: float) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from stickslip.reporting import sweep_plots
 from stickslip.reporting.campbell_figure import campbell_figure, crossing_rows
 from stickslip.reporting.compare_verdict import compare_verdict
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_figures
-from stickslip.reporting.style import shown_number
+from stickslip.reporting.style import NEGLIGIBLE_PERCENT, shown_measure, shown_number
 from stickslip.reporting.sweep_view import COLOURS, DASHES, SweepView
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.results.campbell import campbell
@@ -39,7 +39,6 @@ _PERCENT = frozenset(
     }
 )
 _LONGEST_TITLE = 80  # chosen: letters, two lines on a screen
-_NEGLIGIBLE_PERCENT = 0.005  # chosen: smaller differences are those of tolerances
 # Words of measures whose meaning in the table of a sweep is too short, or follows from the column before.
 _WORDS = {
     "peak_amplitude_m": "Highest peak on the curve",
@@ -176,7 +175,7 @@ def _measure_cells(row: ComparedMeasure) -> tuple[str, list[str]]:
     for value, difference in zip(row.values, row.differences, strict=True):
         text = "–" if value is None else _shown(row.name, factor * value, unit, counts)
         if difference is not None and cells and not counts and row.name not in _NO_PERCENT:
-            text += f" ({_signed(100.0 * difference)})"
+            text += f" ({_signed(100.0 * difference)})".replace(" %", "\N{NO-BREAK SPACE}%")
         cells.append(text)
     meaning = _WORDS.get(row.name, row.meaning[0].upper() + row.meaning[1:])
     return (meaning if unit in ("1", "") else f"{meaning}, {unit}"), cells
@@ -185,12 +184,12 @@ def _measure_cells(row: ComparedMeasure) -> tuple[str, list[str]]:
 def _shown(name: str, value: float, unit: str, counts: bool) -> str:
     if name == "peak_bracketed":
         return "yes" if value else "no"
-    return str(int(value)) if counts else shown_number(float(value), unit)
+    return str(int(value)) if counts else shown_measure(float(value), unit)
 
 
 def _signed(percent: float) -> str:
     """A difference in percent with its sign, to three digits."""
-    if abs(percent) < _NEGLIGIBLE_PERCENT:
+    if abs(percent) < NEGLIGIBLE_PERCENT:
         return "0 %"
     return ("+" if percent >= 0.0 else "") + number(float(f"{percent:.3g}"), 3) + " %"
 

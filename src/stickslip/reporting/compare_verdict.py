@@ -8,6 +8,7 @@ from stickslip.core.shown_numbers import length, number
 from stickslip.reporting.style import shown_number
 from stickslip.results.comparison import Compared
 
+_MOST_PERCENT = 200.0  # chosen: above it a factor is easier to read
 _MOST_KEYS = 5  # chosen: named in a sentence; the table below has all
 _SAME_PERCENT = 0.5  # chosen: peaks that are nearer than this are the same in words, as on the page of a run
 
@@ -36,9 +37,11 @@ def _ranking(compared: Sequence[Compared], measures: Sequence[Mapping[str, float
         if more < _SAME_PERCENT:
             yield f"All peaks are equal within {number(_SAME_PERCENT)} %: {_peak(lowest)}."
         else:
+            times = f"{number(1.0 + more / 100.0, 2)} times as high"
             yield (
                 f"The lowest peak is that of {compared[lowest[2]].name}: {_peak(lowest)}. The highest one, "
-                f"{compared[highest[2]].name}, is {number(more, 2)} % higher: {_peak(highest)}."
+                f"{compared[highest[2]].name}, is {f'{number(more, 2)} % higher' if more < _MOST_PERCENT else times}: "
+                f"{_peak(highest)}."
             )
     if unknown:
         yield (

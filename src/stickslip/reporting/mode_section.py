@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE
-from stickslip.core.shown_numbers import MICRO, number, raised
+from stickslip.core.shown_numbers import MICRO, number, typeset
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis
 from stickslip.reporting.section import Section
@@ -16,6 +16,8 @@ from stickslip.reporting.style import STATES
 from stickslip.reporting.view import View
 from stickslip.results.mode_figure import MODAL_AMPLITUDE
 from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode
+
+_FARTHEST = 5.0  # chosen: a linear frequency farther from the curve, in its ranges, would make it look straight
 
 
 def _mode_of(view: View) -> NonlinearMode:
@@ -39,11 +41,18 @@ def _curve(view: View, name: str, values: FloatArray, unit: str) -> Any:
     return line_trace(name, mode.modal_amplitude, values, INK, width=2.5, hovertemplate=hover, text=texts)
 
 
+def _near(mode: NonlinearMode, hertz: float) -> bool:
+    """Whether a linear frequency fits into the figure, so that the curve remains more than a straight line."""
+    low, high = float(mode.frequency_hz.min()), float(mode.frequency_hz.max())
+    return low - _FARTHEST * (high - low) <= hertz <= high + _FARTHEST * (high - low)
+
+
 def _linear_lines(mode: NonlinearMode) -> Iterator[Any]:
-    """The frequencies of the closest linear modes, stuck and sliding."""
+    """The frequencies of the closest linear modes, stuck and sliding, that are near the curve."""
     ends = mode.modal_amplitude[[0, -1]]
     for (name, hertz), colour, dash in zip(mode.closest_linear_modes, (BLUE, ORANGE), ("dash", "dot"), strict=True):
-        yield line_trace(name, ends, [hertz] * 2, colour, dash)
+        if _near(mode, hertz):
+            yield line_trace(name, ends, [hertz] * 2, colour, dash)
 
 
 def frequency_of_mode(view: View) -> Figure:
@@ -104,6 +113,9 @@ def _words(view: View) -> Iterator[str]:
         "is the mass norm of the first harmonic; the texts of the points give the amplitude of "
         f"{view.study.response_output}."
     )
+    for name, hertz in mode.closest_linear_modes:
+        if not _near(mode, hertz):
+            yield f"Far from this range, and not in the figure: {name}, {hertz:.2f} Hz."
     if mode.passes_peaks.all():
         yield (
             f"The damping ratio is below {100 * LARGEST_RATIO_OF_PEAKS:.0f} % everywhere: peaks of forced responses "
@@ -122,9 +134,9 @@ NONLINEAR_MODE = Section(
     {{ parts.figure("mode-frequency", "Frequency", "Frequency of the mode against modal amplitude") }}
     {{ parts.figure("mode-damping", "Damping ratio", "Damping ratio of the mode against modal amplitude") }}
   </div>
-  {{ parts.panel("mode-states", "Contact states of the mode against modal amplitude") }}
+  {{ parts.figure("mode-states", "Contact states", "Contact states of the mode against modal amplitude") }}
 """,
-    lambda view: {"words": raised(" ".join(_words(view))).replace("kg^0.5", "√kg")},
+    lambda view: {"words": typeset(" ".join(_words(view)))},
     lambda view: {
         "mode-frequency": frequency_of_mode(view),
         "mode-damping": damping_of_mode(view),

@@ -29,6 +29,8 @@ STATES = (
     StateStyle(VERMILLION, "triangle-up", "^"),
 )
 
+NEGLIGIBLE_PERCENT = 0.005  # chosen: smaller percentages of two results are those of tolerances
+
 AXIS_NAMES = ("t1", "t2", "n")
 LINE_COLOURS = (BLUE, VERMILLION, GREEN)
 LINE_DASHES = ("solid", "dash", "dot")
@@ -42,6 +44,11 @@ def body_colour(body: int) -> str:
 def face_colour(face: int) -> str:
     """Colour of a contact face; colours repeat."""
     return FACE_COLOURS[face % len(FACE_COLOURS)]
+
+
+def shown_measure(value: float, unit: str) -> str:
+    """A measure of a result in tables beside others: a negligible percentage is zero."""
+    return shown_number(0.0 if unit == "%" and abs(value) < NEGLIGIBLE_PERCENT else value, unit)
 
 
 def shown_number(value: float | int | str, unit: str) -> str:

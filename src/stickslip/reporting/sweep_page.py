@@ -17,7 +17,7 @@ from stickslip.reporting import sweep_plots as plots
 from stickslip.reporting.best_of_worst import best_of_worst
 from stickslip.reporting.linear_limits import differing_limits
 from stickslip.reporting.look import Figure, plain_figures
-from stickslip.reporting.style import shown_number
+from stickslip.reporting.style import shown_measure
 from stickslip.reporting.sweep_performance import optima, performance
 from stickslip.reporting.sweep_styles import LEGEND_ENTRIES, styles_of
 from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, peak_remark, short_name, value_words
@@ -222,5 +222,5 @@ def _table_row(view: SweepView, place: int, columns: tuple[str, ...], page: str)
     for name in columns:
         _, factor, unit = _COLUMNS[name]
         value = row.measures.get(name, math.nan)
-        cells.append("–" if math.isnan(value) else shown_number(factor * value, unit))
+        cells.append("–" if math.isnan(value) else shown_measure(factor * value, unit))
     return _Row(cells, peak_remark(row), row.warnings, page)

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
-from stickslip.core.shown_numbers import number
+from stickslip.core.shown_numbers import number, unit_on_page
 from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import caution
-from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
+from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey, short_key
 
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, INK)
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
@@ -101,23 +101,22 @@ def value_words(key: SweptKey, position: int) -> str:
     """A value of a key with its unit, as pages write numbers."""
     if key.is_choice:
         return key.labels[position]
-    return f"{number(key.shown[position], 6)} {key.shown_unit}".rstrip()
-
-
-# Sections whose keys need their name: the coefficient of the friction, the amplitude of the excitation.
-_NAMING = frozenset({"friction", "excitation", "damper", "material", "roughness"})
+    return f"{number(key.shown[position], 6)} {unit_on_page(key.shown_unit)}".rstrip()
 
 
 def short_name(key: SweptKey) -> str:
-    """Last part of the name of a key, in words; with its section where one word alone may mean anything."""
-    section, name = key.name.split(".", 1)
-    words = name.replace(".", " ").replace("_", " ")
-    return f"{section} {words}" if section in _NAMING and " " not in words else words
+    """The key in words, as :func:`stickslip.results.sweep_table.short_key` says."""
+    return short_key(key.name)
 
 
 def axis_title(key: SweptKey) -> str:
     """Name of a key as in the study file, and its unit."""
-    return f"{key.name}{', ' + key.shown_unit if key.shown_unit else ''}"
+    return with_unit(key.name, key)
+
+
+def with_unit(name: str, key: SweptKey) -> str:
+    """A name of a key with the unit of its shown values."""
+    return f"{name}{', ' + unit_on_page(key.shown_unit) if key.shown_unit else ''}"
 
 
 def is_logarithmic(values: FloatArray) -> bool:

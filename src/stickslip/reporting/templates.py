@@ -15,6 +15,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Te
 from markupsafe import Markup
 
 from stickslip import __version__
+from stickslip.core.shown_numbers import typeset
 
 OWN_PACKAGE = "stickslip.reporting"
 # Of style, plotly.js needs its own sheet and attributes; a picture is saved by way of a blob.
@@ -138,6 +139,7 @@ def _environment(package: str) -> Environment:
     )
     # short, and without numbers that JSON does not know; the filter "tojson" escapes what could end a script element
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "ensure_ascii": False, "allow_nan": False}
+    environment.filters["typeset"] = typeset
     return environment
 
 

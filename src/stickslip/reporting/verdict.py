@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stickslip.core.shown_numbers import length, number
+from stickslip.reporting.further_answers import further_answers
 from stickslip.reporting.style import shown_number
 from stickslip.reporting.view import View
 from stickslip.results.peaks import Peak
@@ -26,7 +27,7 @@ class Verdict:
 
 def verdict(view: View, warnings: int) -> Verdict:
     """The answer of a run, whose page shows a number of ``warnings``."""
-    return Verdict((*_peak(view), _friction(view)), tuple(_limits(view, warnings)))
+    return Verdict((*_peak(view), _friction(view), *further_answers(view)), tuple(_limits(view, warnings)))
 
 
 def _peak(view: View) -> Iterator[str]:

@@ -12,7 +12,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.measures import SUMMARY_COLUMNS
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.results.sweep_table import SweepCurve, curve_and_measures
+from stickslip.results.sweep_table import SweepCurve, curve_and_measures, short_key
 from stickslip.results.table import Table, column_of
 
 _LONGEST_NAME = 60  # chosen: letters, in one line of a legend
@@ -79,13 +79,14 @@ def differing_inputs(studies: Sequence[StudyRecord]) -> dict[str, tuple[str | No
 
 
 def names_of_cases(names: Sequence[str], studies: Sequence[StudyRecord]) -> tuple[str, ...]:
-    """Names for cases of a sweep, whose folders end in a checksum: the inputs that differ, as "speed 3000 rpm".
+    """Names for cases of a sweep, whose folders end in a checksum: the inputs that differ, as "speed 3000 rpm" or,
+    where the key alone says too little, "friction coefficient 0.2".
 
     Numbers have four digits if the names then still differ. Where these are long or equal, the ``names`` of the folders
     remain, without their checksums if they then differ.
     """
     inputs = differing_inputs(studies)
-    words = [key.rpartition(".")[2].replace("_", " ") for key in inputs]
+    words = [short_key(key) for key in inputs]
     described = [
         ", ".join(f"{word} {'none' if value is None else value}" for word, value in zip(words, row, strict=True))
         for row in zip(*inputs.values(), strict=True)

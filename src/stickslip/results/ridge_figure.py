@@ -95,7 +95,8 @@ def ridge_figure(picture: RidgePicture) -> Figure:
         below.plot(check.parameter, check.frequency_hz, "*", color=VERMILLION, markersize=11)
     above.set_yscale("log")
     above.set_ylabel("\n".join(filter(None, ["Peak amplitude, 0-to-peak, µm", picture.output_name])), parse_math=False)
-    above.legend(frameon=False)
+    # Above both panels: inside, it would hide the notch of a friction optimum.
+    figure.legend(*above.get_legend_handles_labels(), loc="outside upper center", ncols=2, frameon=False)
     below.set_xlabel(picture.parameter_words, parse_math=False)
     below.set_ylabel("Frequency of the peak, Hz")
     return figure

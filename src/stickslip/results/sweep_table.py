@@ -29,6 +29,16 @@ Value = float | int | str
 MEASURES = tuple(SUMMARY_COLUMNS)
 _WHOLE = frozenset({"peak_bracketed", "pairs_stuck", "pairs_stick_slip", "pairs_separating"})
 
+# Sections whose keys need their name: the coefficient of the friction, the amplitude of the excitation.
+_NAMING = frozenset({"friction", "excitation", "damper", "material", "roughness"})
+
+
+def short_key(name: str) -> str:
+    """Last part of ``section.key`` in words; with its section where one word alone may mean anything."""
+    section, key = name.split(".", 1)
+    words = key.replace(".", " ").replace("_", " ")
+    return f"{section} {words}" if section in _NAMING and " " not in words else words
+
 
 @dataclass(frozen=True)
 class SweptKey:

@@ -142,10 +142,12 @@ class Wear(Labelled):
             f"{_MICRO * self.depth[-1].max():.3g} µm, {_MICRO * self.mean_depth[-1]:.3g} µm in the mean, in all "
             f"{_CUBIC_MILLI * self.volume[-1]:.3g} mm³."
         )
+        low, high = self.amplitude.min(), self.amplitude.max()
+        between = f", between {_MICRO * low:.4g} and {_MICRO * high:.4g} µm"
         yield (
-            f"The amplitude goes from {_MICRO * first:.4g} to {_MICRO * last:.4g} µm ({_percent(last / first)}), "
-            f"between {_MICRO * self.amplitude.min():.4g} and {_MICRO * self.amplitude.max():.4g} µm; the frequency "
-            f"from {self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
+            f"The amplitude goes from {_MICRO * first:.4g} to {_MICRO * last:.4g} µm ({_percent(last / first)})"
+            f"{'' if {low, high} <= {first, last} else between}; the frequency from {self.frequency_hz[0]:.2f} to "
+            f"{self.frequency_hz[-1]:.2f} Hz."
         )
         if self.changes_stiffness:
             stiffness = self.total_normal_stiffness

@@ -108,7 +108,7 @@ class RotatingStructure:
                 argument,
                 f"{argument} is {speed_rpm:g}, but the centrifugal load then moves the structure by "
                 f"{1e3 * moved:.4g} mm, {100.0 * moved / size:.3g} % of its size: linear prestress theory is valid up "
-                f"to {100.0 * LARGEST_MOTION:g} %, which is {allowed:.4g} rpm. Check the axis, its point and the "
+                f"to {100.0 * LARGEST_MOTION:g} %, which is {allowed:.6g} rpm. Check the axis, its point and the "
                 "support.",
             )
 

@@ -48,6 +48,7 @@ def _linear(case: CyclicCase, model: ReducedModel, response: ForcedResponse, pro
     assert blade is not None  # the layout of a case with mistuning has its nodes
     patterns = deviations(section, sector.sectors)
     warnings: list[str] = []
+    without: dict[str, str] = {}
     found: dict[str, FloatArray] = {}
     for name, words in LIMITS.items():
         try:
@@ -55,11 +56,16 @@ def _linear(case: CyclicCase, model: ReducedModel, response: ForcedResponse, pro
         except InputError as error:
             if error.keys != ("frequency_hz",):
                 raise
-            warnings.append(f"No linear amplification factors, {words}: {error}")
+            without[words] = str(error)
             continue
         found |= {f"{name}_factor": factors.blade_factor, f"{name}_peak_hz": factors.peak_hz}
         if not factors.converged:
             warnings.append(f"Linear, {words}: {factors.message}")
+    # The range of a joint that is closed has seldom a mode without contact: no reason for a warning.
+    left_out = (
+        "" if not found else "".join(f" No factors, {words}: no mode there is in the range." for words in without)
+    )
+    warnings += [f"No linear amplification factors, {words}: {why}" for words, why in without.items() if not found]
     first = next(iter(found.values()), np.ones_like(patterns))
     return Mistuning(
         deviation=patterns,
@@ -67,7 +73,7 @@ def _linear(case: CyclicCase, model: ReducedModel, response: ForcedResponse, pro
         shown=int(first.max(axis=1).argmax()),
         tuned_amplitude=response.amplitude(next(iter(model.outputs.values()))).max(),
         converged=True,
-        message=f"{mistuning_words(section)}.",
+        message=f"{mistuning_words(section)}.{left_out}",
         warnings=tuple(warnings),
         **found,
     )

@@ -29,11 +29,12 @@ _CLASS = {
     Verdict.DOES_NOT_HOLD: "not",
     Verdict.UNDECIDED: "open",
 }
-# The copy of the article from which the claims were read names neither its authors nor its DOI.
+# Volume, number and dates: the publisher's page, https://www.mdpi.com/2076-3417/13/4/2128.
 CITATION = (
     "The article: The Influence of Interface Roughness on the Vibration Reduction Characteristics of an Under-Platform "
-    "Damper. MDPI, Basel, 2023. Open access, CC BY 4.0."
+    "Damper. Applied Sciences 13(4), 2128 (2023). Open access, CC BY 4.0."
 )
+DOI = "10.3390/app13042128"
 LARGEST_SHOWN = 60
 LONG_CELL = 40  # letters from which a cell needs a wide column
 # Folders beside the page, to which it links.
@@ -67,6 +68,7 @@ def write_page(
         "figure_folder": FIGURE_FOLDER,
         "table_folder": TABLE_FOLDER,
         "citation": CITATION,
+        "doi": DOI,
         "summary": summary,
         "open_table": OPEN_TABLE,
         "inputs": inputs,

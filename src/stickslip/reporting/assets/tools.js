@@ -155,7 +155,7 @@
   function makeRoom(plot, height) {
     const { legend, yaxis2 } = plot._fullLayout;
     if (!legend || !legend._height || plot.layout.legend2) return;
-    const curves = yaxis2 && !yaxis2.overlaying ? 200 : 70, around = 66;
+    const curves = yaxis2 && !yaxis2.overlaying ? 200 : 120, around = 66;
     const needed = Math.ceil(Math.max(2 * legend._height + 8, legend._height + around + curves));
     if (needed <= height) return;
     plot.style.height = needed + "px";

@@ -1,0 +1,87 @@
+"""The answers of the analyses beside the frequency curve, one sentence each, for the words at the top of the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from stickslip.core.shown_numbers import MICRO, length, number, raised
+from stickslip.reporting.view import View
+from stickslip.results.peak_ridge import PeakRidge
+
+_SAME_PLACE = 0.02  # chosen: a check is at the minimum itself, or beside it by the distance of two points
+
+
+def further_answers(view: View) -> Iterator[str]:
+    """What the performance curve, peaks over a key, a nonlinear mode, wear and mistuning say; nothing without them."""
+    yield from _best_load(view)
+    yield from _best_key(view)
+    yield from _mode(view)
+    yield from _wear(view)
+    yield from _mistuning(view)
+
+
+def _best_load(view: View) -> Iterator[str]:
+    ridge = view.response.performance_curve
+    if ridge is None:
+        return
+    force = float(ridge.settings["excitation_force_n"])
+    yield from _lowest(
+        ridge,
+        "the centrifugal force of the damper",
+        lambda ratio: f"{number(force * ratio, 3)} N",
+        f"; this study has {number(float(ridge.settings['centrifugal_force_n']), 3)} N",
+    )
+
+
+def _best_key(view: View) -> Iterator[str]:
+    ridge = view.response.peak_ridge
+    if ridge is not None:
+        unit = ridge.parameter_unit
+        yield from _lowest(ridge, ridge.parameter_name, lambda value: f"{number(value, 4)} {unit}".rstrip(), "")
+
+
+def _lowest(ridge: PeakRidge, name: str, named: Callable[[float], str], more: str) -> Iterator[str]:
+    """The lowest of the highest peaks at which pairs slip, or that there is none; a checked one where there is one."""
+    best = ridge.slipping_minimum
+    if best is None:
+        yield f"Over {name} no minimum of the highest peak has slip inside of the followed range{more}."
+        return
+    near = [each for each in ridge.checked if abs(each.parameter / best.parameter - 1.0) < _SAME_PLACE]
+    lowest, checked = (near[0].amplitude, ", checked by a whole curve") if near else (best.amplitude, "")
+    yield (
+        f"Over {name} the highest peak has its lowest minimum with slip at {named(best.parameter)}: "
+        f"{' '.join(length(lowest))}{checked}{more}."
+    )
+
+
+def _mode(view: View) -> Iterator[str]:
+    mode = view.response.nonlinear_mode
+    if mode is not None:
+        ratio = 100.0 * mode.damping_ratio
+        output = MICRO * mode.harmonic_amplitude(view.output, 1)
+        yield (
+            f"From {number(float(output[0]), 3)} to {number(float(output[-1]), 3)} µm of {view.study.response_output}, "
+            f"mode {mode.mode} goes from {mode.frequency_hz[0]:.2f} to {mode.frequency_hz[-1]:.2f} Hz, and its damping "
+            f"ratio from {number(float(ratio[0]), 3)} to {number(float(ratio[-1]), 3)} %."
+        )
+
+
+def _wear(view: View) -> Iterator[str]:
+    wear = view.response.wear
+    if wear is not None:
+        change, depth = 100.0 * (wear.amplitude[-1] / wear.amplitude[0] - 1.0), MICRO * wear.depth[-1].max()
+        yield raised(
+            f"After {wear.cycles[-1]:.3g} cycles of wear, up to {depth:.3g} µm deep, the peak is "
+            f"{MICRO * wear.amplitude[-1]:.4g} µm ({change:+.2g} %)."
+        )
+
+
+def _mistuning(view: View) -> Iterator[str]:
+    result = view.response.mistuning
+    if result is None:
+        return
+    factors = [f"{float(each.max()):.3g} at most ({words})" for words, each in result.limits.items()]
+    if result.friction_factor is not None:
+        factors.append(f"{float(result.friction_factor.max()):.3g} (with friction, pattern {result.shown + 1})")
+    if factors:
+        yield f"The amplification factor of the mistuned blades is {', '.join(factors)}."

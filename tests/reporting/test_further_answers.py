@@ -1,0 +1,83 @@
+"""The words at the top of the page on the analyses beside the frequency curve."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from ridges import ridge_of, valley
+from stickslip.reporting.further_answers import further_answers
+from stickslip.reporting.verdict import verdict
+from stickslip.reporting.view import View
+from stickslip.results.checked_peak import CheckedPeak
+from synthetic import synthetic_response, synthetic_study
+
+LOADS = np.geomspace(0.1, 10.0, 15)
+
+
+def answers(**parts: Any) -> list[str]:
+    response = replace(synthetic_response(), **parts)
+    return list(further_answers(View.of(response, synthetic_study())))
+
+
+def performance(**changes: Any) -> ss.PeakRidge:
+    settings = {"harmonics": 1, "centrifugal_force_n": 600.0, "excitation_force_n": 300.0}
+    return ridge_of((LOADS, valley(LOADS, best=1.0)), parameter_unit="", settings=settings, **changes)
+
+
+def test_a_curve_alone_has_no_further_answer() -> None:
+    assert answers() == []
+
+
+def test_the_best_load_is_in_newton_beside_that_of_the_study() -> None:
+    (words,) = answers(performance_curve=performance())
+    assert words.startswith(
+        "Over the centrifugal force of the damper the highest peak has its lowest minimum with slip"
+    )
+    assert words.endswith("at 300 N: 14.14 µm; this study has 600 N.")
+    (checked,) = answers(performance_curve=performance(checked=(CheckedPeak(1.0, 1.5e-5, 49.5, 0.004, 7),)))
+    assert checked.endswith("at 300 N: 15 µm, checked by a whole curve; this study has 600 N.")
+
+
+def test_a_minimum_without_slip_is_no_best_load() -> None:
+    stuck = np.zeros(LOADS.size, dtype=int)
+    (words,) = answers(performance_curve=performance(pairs_stick_slip=stuck, pairs_separating=stuck))
+    assert "no minimum of the highest peak has slip" in words
+
+
+def test_peaks_over_a_key_have_its_unit() -> None:
+    (words,) = answers(peak_ridge=ridge_of((LOADS, valley(LOADS, best=1.0)), parameter_name="preload.force"))
+    assert words == "Over preload.force the highest peak has its lowest minimum with slip at 1 N: 14.14 µm."
+
+
+def view_with(**parts: Any) -> Any:
+    names = ("performance_curve", "peak_ridge", "nonlinear_mode", "wear", "mistuning")
+    return SimpleNamespace(response=SimpleNamespace(**(dict.fromkeys(names) | parts)))
+
+
+def test_wear_says_what_it_does_to_the_peak() -> None:
+    cycles, depth = np.array([0.0, 3e6]), np.array([[0.0, 0.0], [2e-6, 6e-6]])
+    wear = SimpleNamespace(cycles=cycles, depth=depth, amplitude=np.array([1e-4, 1.2e-4]))
+    (words,) = further_answers(view_with(wear=wear))
+    assert words == "After 3 × 10⁶ cycles of wear, up to 6 µm deep, the peak is 120 µm (+20 %)."
+
+
+def test_mistuning_names_the_contact_of_its_factors() -> None:
+    limits = {"contacts stuck": np.array([[1.0, 1.68], [1.2, 1.1]])}
+    mistuning = SimpleNamespace(limits=limits, friction_factor=np.array([1.1, 1.31]), shown=0)
+    (words,) = further_answers(view_with(mistuning=mistuning))
+    assert words.endswith("blades is 1.68 at most (contacts stuck), 1.31 (with friction, pattern 1).")
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_they_follow_the_answer_on_the_peak(count: int) -> None:
+    response = synthetic_response()
+    if count:
+        response = replace(response, performance_curve=performance())
+    sentences = verdict(View.of(response, synthetic_study()), warnings=0).sentences
+    assert sum("centrifugal force of the damper" in each for each in sentences) == count
