@@ -25,7 +25,7 @@ from stickslip.study.analyses import solve
 
 REDUCTION = "--reduction"
 # Pairs of both faces -> elements up the contact face and along the damper.
-ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32)}
+ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32), 5032: (33, 73)}
 
 
 def case_with(n_pairs: int) -> Case:

@@ -32,6 +32,7 @@ from stickslip.solve.harmonic.kept_modes import KeptBalance, KeptCompliance, Kep
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
 from stickslip.solve.harmonic.operator_products import times
 from stickslip.solve.harmonic.resonances import Resonances
+from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_structure
 from stickslip.solve.harmonic.support import only_friction_supports
 from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
@@ -163,17 +164,22 @@ class Balances:
         """The structure without contact."""
         mass, stiffness, stuck = self.superelement.mass, self.superelement.stiffness, self.stuck
         root = stuck.damping_root if self.superelement.gyroscopic is None else None
-        return LinearLimit.of_matrices(mass, stiffness, stuck.velocity_matrix, root)
+        if isinstance(stuck, SoftStructure):
+            return stuck.free if root is None else stuck.free.with_damping_root(root)
+        return LinearLimit.of_matrices(mass, stiffness, stuck.velocity_matrix if root is None else None, root)
 
     @property
     def is_damped(self) -> bool:
         """Whether the structure has viscous damping."""
-        return bool(self.stuck.damping.any())
+        root = self.stuck.damping_root
+        return bool((self.stuck.damping if root is None else root).any())
 
     @property
     def equation(self) -> EquationOfMotion:
         """The terms of the equation of motion."""
-        return StructureEquation(self.superelement, self.stuck.velocity_matrix, self.pairs.operator)
+        root = self.stuck.damping_root if self.superelement.gyroscopic is None else None
+        damping = self.stuck.velocity_matrix if root is None else root
+        return StructureEquation(self.superelement, damping, self.pairs.operator, is_root=root is not None)
 
     @property
     def shown_pairs(self) -> ContactPairs:
@@ -209,6 +215,8 @@ class Balances:
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
+        if isinstance(self.stuck, SoftStructure):
+            return Balance(self.stuck.soft_compliance(harmonics), self.pairs, force, samples or self.samples)
         whole = Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
         if self._kept is None:
             return whole
@@ -221,7 +229,7 @@ class Balances:
     def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability:
         """See :func:`curve_stability`; the verdicts are confirmed with more harmonics."""
         correction = correction_of(trials, self.with_harmonics, self.samples, self.damped_harmonics)
-        return curve_stability(trials, pairs, self.stuck, correction)
+        return curve_stability(trials, pairs, self._with_all_modes.stuck, correction)
 
     def in_time(self) -> MotionInTime:
         """The motion in time of the structure, with the damping of the balances."""
@@ -230,7 +238,14 @@ class Balances:
 
     def of_structure(self) -> Balances:
         """These balances with all modes, for analyses that require the matrices of a structure."""
-        return replace(self, few_modes=False)
+        return self._with_all_modes
+
+    @cached_property
+    def _with_all_modes(self) -> Balances:
+        stuck = self.stuck
+        if isinstance(stuck, SoftStructure):
+            stuck = stuck_structure(self.superelement, self.pairs, stuck.highest_omega, self.modal_damping_ratio)
+        return replace(self, stuck=stuck, few_modes=False)
 
     def exact(self, harmonics: int, samples: int) -> Balance:
         """The balance whose Newton matrix contains all modes, as adjoint solutions require."""
@@ -249,10 +264,11 @@ def prepare_balances(
     update: Update,
     on_stage: Callable[[str], None],
     known: StuckStructure | None = None,
+    few_modes: bool = False,
 ) -> Balances:
     """Check the input and compute the modes of the stuck structure, or use ``known`` ones if they are the same.
 
-    Raises InputError.
+    With ``few_modes``, a large joint has its soft modes alone. Raises InputError.
     """
     check_options(harmonics, samples, update, modal_damping_ratio)
     pairs = pairs.with_update(update)
@@ -264,9 +280,10 @@ def prepare_balances(
     elastic, inertial = (resistance(operator, matrix) for matrix in (superelement.stiffness, superelement.mass))
     require_comparable(pairs, elastic + highest_omega**2 * inertial)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
-    stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
+    soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio) if few_modes else None
+    stuck = soft or stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
-    return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
+    return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio, few_modes)
 
 
 def resistance(operator: FloatArray, matrix: FloatArray) -> FloatArray:

@@ -1,0 +1,180 @@
+"""Lowest modes by a Lanczos iteration with blocks of vectors.
+
+A factor of many megabytes is read from memory for each solution, which takes as long for one vector as for many. The
+iteration of :mod:`stickslip.structure.lanczos` solves for one vector at a time; this one for a block. It builds an
+M-orthonormal basis V of the Krylov space of ``T = (K - s M)^-1 M``, which is self-adjoint for M, and takes the Ritz
+pairs in it (G. H. Golub, R. Underwood, The block Lanczos method for computing eigenvalues, in Mathematical Software
+III, Academic Press 1977). With the next block Q,
+
+    T V = V H + Q R E^T,   H = V^T M T V,
+
+the residual of a Ritz pair ``(x, V y)`` of H is ``|R y_last|``. All vectors remain orthogonal (full
+reorthogonalisation): the bases are small beside the matrices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.linalg
+
+from stickslip.core.errors import ConvergenceError
+from stickslip.core.validation import FloatArray
+
+Operator = Callable[[FloatArray], FloatArray]
+
+# chosen: as many solutions at a time read the factor as often as one; more make a larger basis.
+COLUMNS = 16
+# chosen: residual of a Ritz value x of T, over x, and over the largest one (round-off of the solutions).
+TOLERANCE, ROUND_OFF = 1e-12, 1e-15
+# chosen: directions of a block with a smaller square of the length, over the largest one, are round-off.
+NO_DIRECTION = 1e-13
+# chosen: blocks after a second random one, which finds solutions as multiple as a block is wide.
+MORE_BLOCKS = 2
+
+
+class TooManyModes(Exception):
+    """More solutions up to a limit than wanted."""
+
+
+def lowest_modes(
+    solve: Operator,
+    weigh: Operator,
+    size: int,
+    *,
+    count: int | None = None,
+    limit: float | None = None,
+    shift: float = 0.0,
+    most: int | None = None,
+    columns: int = COLUMNS,
+) -> tuple[FloatArray, FloatArray]:
+    """The lowest solutions of ``K v = x M v``: x ascending (k,) and mass-normalised v (n, k).
+
+    Parameters
+    ----------
+    solve, weigh:
+        ``(K - s M)^-1 A`` and ``M A`` of blocks A (n, c); K and M are real and symmetric, ``K - s M`` and M positive
+        definite.
+    size:
+        n.
+    count, limit:
+        the number k of solutions, or all with x up to this limit: one of both.
+    shift:
+        s, below all solutions.
+    most:
+        with a limit, the number of solutions up to it above which none are computed: TooManyModes.
+    columns:
+        vectors of a block. Solutions that are multiple up to twice as often are all found.
+
+    Raises
+    ------
+    ConvergenceError
+        if the basis grows to the whole space without all solutions, which round-off alone can cause.
+    """
+    assert (count is None) != (limit is None)
+    random, krylov = np.random.default_rng(0), _Krylov(solve, weigh, size)  # the same in every run
+    krylov.append(solve(weigh(random.standard_normal((size, min(columns, size))))))
+    lower = np.inf if limit is None else 1.0 / (limit - shift)
+    searched_again: int | None = None
+    while True:
+        krylov.step()
+        values, turns, residuals = krylov.ritz()
+        allowed = TOLERANCE * values + ROUND_OFF * values[0]
+        # a Ritz value that is not sure to be beyond the limit counts as wanted
+        wanted = count if limit is None else int((values + residuals >= lower).sum())
+        assert wanted is not None
+        # there are at least as many solutions up to the limit as Ritz values
+        if most is not None and limit is not None and int((values >= lower).sum()) > most:
+            raise TooManyModes
+        enough = wanted < values.size or krylov.is_whole
+        if enough and (residuals[:wanted] <= allowed[:wanted]).all():
+            searched_again = 0 if searched_again is None else searched_again + 1
+            if searched_again >= MORE_BLOCKS or krylov.is_whole:
+                kept = wanted if limit is None else int((values >= lower).sum())
+                return shift + 1.0 / values[:kept], krylov.vectors(turns[:, :kept])
+            if searched_again == 0:
+                krylov.append(solve(weigh(random.standard_normal((size, columns)))))
+        elif krylov.is_whole:
+            raise ConvergenceError(
+                f"the lowest natural frequencies of a structure with {size} unknowns did not converge. Its entries "
+                "most likely differ too much in size: check the units of Young's modulus, density and lengths."
+            )
+
+
+class _Krylov:
+    """A growing basis of blocks (n, c), the products of M with them, and the projection of T."""
+
+    def __init__(self, solve: Operator, weigh: Operator, size: int) -> None:
+        self._solve, self._weigh, self._size = solve, weigh, size
+        self._blocks: list[FloatArray] = []
+        self._weighted: list[FloatArray] = []
+        self._projection = np.zeros((0, 0))  # H of the blocks that were stepped from
+        self._coupling = np.zeros((0, 0))  # R: of the last of these to the blocks after them
+        self._stepped, self._last = 0, 0  # blocks; and columns of the last one
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the basis is the whole space and each block was stepped from."""
+        return self._width(self._blocks) == self._size and self._stepped == len(self._blocks)
+
+    @staticmethod
+    def _width(blocks: list[FloatArray]) -> int:
+        return sum(each.shape[1] for each in blocks)
+
+    def append(self, block: FloatArray) -> None:
+        """Add the part of a block that the basis lacks."""
+        room = self._size - self._width(self._blocks)
+        if not room:
+            return
+        # The columns may differ by many orders in size: an orthonormal basis of them first.
+        basis = np.linalg.qr(self._without(block)[:, :room])[0]
+        basis = self._without(basis)
+        weighted = self._weigh(basis)
+        for _ in range(2):  # the second time for the round-off of a block that M nearly makes dependent
+            squares, turns = scipy.linalg.eigh(basis.T @ weighted)
+            chosen = squares > NO_DIRECTION * squares[-1]
+            turns = turns[:, chosen] / np.sqrt(squares[chosen])
+            basis, weighted = basis @ turns, weighted @ turns
+        self._blocks.append(basis)
+        self._weighted.append(weighted)
+
+    def _without(self, block: FloatArray) -> FloatArray:
+        """The part of a block that is M-orthogonal to the basis."""
+        block = block.copy()
+        for _ in range(2):
+            for own, weighted in zip(self._blocks, self._weighted, strict=True):
+                block -= own @ (weighted.T @ block)
+        return block
+
+    def step(self) -> None:
+        """Apply T to the blocks that were not stepped from, and add what the basis lacks."""
+        first, stop = self._stepped, len(self._blocks)
+        if first == stop:
+            return
+        images = self._solve(np.hstack(self._weighted[first:stop]))
+        self.append(images)
+        products = np.vstack([each.T @ images for each in self._weighted])
+        width, before = self._width(self._blocks[:stop]), len(self._projection)
+        projection = np.zeros((width, width))
+        projection[:before, :before] = self._projection
+        projection[:, before:] = products[:width]
+        projection[before:, :before] = products[:before].T
+        self._projection = 0.5 * (projection + projection.T)
+        self._coupling, self._stepped, self._last = products[width:], stop, width - before
+
+    def ritz(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """The Ritz values of T, largest first, their vectors in the basis, and their residuals in the norm of M."""
+        values, turns = scipy.linalg.eigh(self._projection)
+        values, turns = values[::-1], turns[:, ::-1]
+        residuals = np.linalg.norm(self._coupling @ turns[len(turns) - self._last :], axis=0)
+        return values, turns, residuals
+
+    def vectors(self, turns: FloatArray) -> FloatArray:
+        """(n, k) of coefficients in the basis."""
+        answer = np.zeros((self._size, turns.shape[1]))
+        first = 0
+        for block in self._blocks[: self._stepped]:
+            answer += block @ turns[first : first + block.shape[1]]
+            first += block.shape[1]
+        return answer
