@@ -225,7 +225,7 @@ class SharedModes:
     def displacement(self, amplitude: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
         shape = amplitude.shape
-        return np.asarray((amplitude.reshape(-1, shape[-1]) @ self.modes.T).reshape(shape))
+        return np.asarray((amplitude.reshape(-1, shape[-1]) @ self.modes.T).reshape(*shape[:-1], -1))
 
     def low_rank(
         self, rows: IndexArray, columns: IndexArray, gain: ComplexArray, compliance: float

@@ -59,7 +59,9 @@ class StaticFactor:
     @classmethod
     def in_place_of(cls, matrix: FloatArray) -> StaticFactor | None:
         """As :meth:`of_matrix`; the factor takes the place of the matrix, which a large structure has no second of."""
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        if not (np.diag(matrix) > 0.0).all():
+            return None
+        scale = 1.0 / np.sqrt(np.diag(matrix))
         matrix *= scale
         matrix *= scale[:, None]
         norm = max(float(np.abs(part).sum(axis=1).max()) for part in np.array_split(matrix, 1 + len(matrix) // ROWS))
