@@ -30,10 +30,10 @@ from stickslip.solve.harmonic.damping import DAMPED_RANGE
 from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
 from stickslip.solve.harmonic.kept_modes import KeptBalance, KeptCompliance, KeptModes, kept_modes
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
-from stickslip.solve.harmonic.operator_products import times
+from stickslip.solve.harmonic.operator_products import own_products
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_structure
-from stickslip.solve.harmonic.support import only_friction_supports
+from stickslip.solve.harmonic.support import factor_without_friction
 from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
 from stickslip.solve.motion_in_time import MotionInTime
@@ -272,7 +272,8 @@ def prepare_balances(
     """
     check_options(harmonics, samples, update, modal_damping_ratio)
     pairs = pairs.with_update(update)
-    if only_friction_supports(superelement, pairs):
+    without_friction = factor_without_friction(superelement, pairs)
+    if without_friction is None:
         # The stuck pairs of such a body carry its mean load: only they know where it is.
         pairs = pairs.retaining()
     force = excitation.on(superelement, harmonics)
@@ -280,7 +281,9 @@ def prepare_balances(
     elastic, inertial = (resistance(operator, matrix) for matrix in (superelement.stiffness, superelement.mass))
     require_comparable(pairs, elastic + highest_omega**2 * inertial)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
-    soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio) if few_modes else None
+    soft = None
+    if few_modes:
+        soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio, without_friction)
     stuck = soft or stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio, few_modes)
@@ -288,7 +291,7 @@ def prepare_balances(
 
 def resistance(operator: FloatArray, matrix: FloatArray) -> FloatArray:
     """(m,) ``|b A b|`` of the rows b of an operator."""
-    return np.asarray(np.abs((times(operator, matrix) * operator).sum(axis=1)))
+    return np.abs(own_products(operator, matrix))
 
 
 def require_comparable(pairs: ContactPairs, resisting: FloatArray) -> None:

@@ -17,10 +17,10 @@ from stickslip.core.validation import (
     argument_error,
     require_choice,
 )
+from stickslip.structure.block_lanczos import lowest_modes
 from stickslip.structure.constraints import Constraints
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.incompatible_brick import incompatible_stiffness
-from stickslip.structure.block_lanczos import lowest_modes
 from stickslip.structure.lanczos import eigenpairs_near
 from stickslip.structure.material import Material as Material
 from stickslip.structure.mesh import IntArray, Mesh

@@ -21,9 +21,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import ExcitationForce
@@ -52,7 +54,8 @@ class KeptModes:
     shapes, contact, circular_frequency, damping:
         (n, p), (m, p), (p,) rad/s and (p,).
     rest:
-        (m, m) m/N, ``A_s``.
+        (m, m) m/N, ``A_s``; in single precision if the modes are those of a
+        :class:`stickslip.solve.harmonic.soft_structure.SoftStructure`.
     same_mean:
         whether the mean has the compliance of the harmonics at rest: then it is ``A_0(0)``.
     """
@@ -61,7 +64,7 @@ class KeptModes:
     contact: FloatArray
     circular_frequency: FloatArray
     damping: FloatArray
-    rest: FloatArray
+    rest: NDArray[Any]
     same_mean: bool
 
 

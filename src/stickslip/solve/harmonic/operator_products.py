@@ -45,6 +45,14 @@ def at_unknowns(force: FloatArray, operator: FloatArray) -> FloatArray:
     return np.asarray((_rows(operator).T @ flat.T).T).reshape(*force.shape[:-1], operator.shape[1])
 
 
+def own_products(operator: FloatArray, matrix: FloatArray) -> FloatArray:
+    """(m,) ``b A b`` of each row b of an operator B (m, n)."""
+    rows = _rows(operator)
+    if isinstance(rows, csr_array) and (np.diff(rows.indptr) == 1).all():  # as in a relative reduction
+        return np.asarray(rows.data**2 * matrix[rows.indices, rows.indices])
+    return np.asarray((np.asarray(rows @ matrix) * operator).sum(axis=1))
+
+
 def both_sides(operator: FloatArray, matrix: FloatArray) -> FloatArray:
     """``B A B^T`` (m, m) of a symmetric matrix A (n, n)."""
     rows = _rows(operator)

@@ -36,10 +36,9 @@ from stickslip.solve.harmonic.compliance import (
     require_one_size,
 )
 from stickslip.solve.harmonic.damping import modal_damping
-from stickslip.solve.harmonic.harmonic_modes import IndexArray, NewtonOperator
+from stickslip.solve.harmonic.harmonic_modes import LARGE_ROWS, IndexArray, NewtonOperator
 from stickslip.solve.harmonic.kept_modes import (
     KEPT_RANGE,
-    LARGE_ROWS,
     MOST_KEPT,
     SAME_SHAPE,
     KeptCompliance,
@@ -49,13 +48,21 @@ from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.operator_products import add_springs, at_unknowns, times
 from stickslip.solve.harmonic.resonances import NEAR_MODES
 from stickslip.solve.harmonic.row_products import row_products
-from stickslip.solve.harmonic.support import ROWS, StaticFactor, mean_factor, require_support_at_rest
+from stickslip.solve.harmonic.support import (
+    ROWS,
+    KnownFactors,
+    StaticFactor,
+    mean_factor,
+    require_support_at_rest,
+)
 from stickslip.structure.block_lanczos import NO_DIRECTION, Operator, TooManyModes, lowest_modes
 from stickslip.structure.superelement import Superelement
 
 # chosen: modes of the structure without contact up to this multiple of the highest excitation; the force has its exact
 # static response and the first order of its inertia beside them, so that 1e-8 of their response remains.
 FREE_RANGE = 100.0
+# chosen: vectors at a time of the block Lanczos iteration, for dense factors.
+COLUMNS = 32
 # chosen: as in :func:`stickslip.solve.harmonic.damping.modal_basis`, over the largest ratio of the diagonals.
 NEGATIVE = 1e-8
 
@@ -94,7 +101,7 @@ class SoftStructure(StuckStructure):
     def mean_shapes(self) -> FloatArray:
         """See :class:`StuckStructure`; with the same mean the kept modes contain them nearly."""
         if not self.has_same_mean:
-            return super().mean_shapes  # type: ignore[no-any-return]
+            return super().mean_shapes
         shapes, sizes, _ = scipy.linalg.svd(self.contact_modes / self.circular_frequency, full_matrices=False)
         return np.asarray(shapes[:, :MEAN_SHAPES] * sizes[:MEAN_SHAPES])
 
@@ -152,12 +159,14 @@ def soft_structure(
     force: ExcitationForce,
     highest_omega: float,
     modal_damping_ratio: float | None,
+    without_friction: StaticFactor | None,
 ) -> SoftStructure | None:
     """The stuck structure of a large joint in its soft modes; None where all modes serve as well or are required.
 
     These are the cases of :func:`stickslip.solve.harmonic.kept_modes.kept_modes`: a joint of few rows, one with many
     soft modes or with many unknowns on which no pair depends, and a damping or gyroscopic matrix, which may couple all
-    modes. Raises InputError as :func:`stickslip.solve.harmonic.compliance.stuck_structure` does.
+    modes. ``without_friction`` is :func:`stickslip.solve.harmonic.support.factor_without_friction`. Raises InputError
+    as :func:`stickslip.solve.harmonic.compliance.stuck_structure` does.
     """
     size, rows = superelement.size, 3 * pairs.n_pairs
     require_one_size(superelement, pairs)
@@ -172,15 +181,16 @@ def soft_structure(
     static = StaticFactor.in_place_of(add_springs(superelement.stiffness.copy(), pairs.operator, springs))
     if static is None:
         return None  # stuck_structure says why, or all modes serve
-    mean, restraint = mean_factor(superelement, pairs, static)
+    mean, restraint = mean_factor(superelement, pairs, KnownFactors(static, without_friction))
 
     def weigh(block: FloatArray) -> FloatArray:
         return superelement.mass @ block
 
     try:
         squares, modes = lowest_modes(
-            static.solve, weigh, size, limit=(KEPT_RANGE * highest_omega) ** 2, most=most - 2 * loads.shape[1]
-        )
+            static.solve, weigh, size, limit=(KEPT_RANGE * highest_omega) ** 2, most=most - 2 * loads.shape[1],
+            columns=COLUMNS,
+        )  # fmt: skip
         free = soft_free_limit(superelement, force, highest_omega, most)
     except TooManyModes:
         return None
@@ -231,8 +241,9 @@ def soft_free_limit(superelement: Superelement, force: ExcitationForce, highest_
             return superelement.mass @ block
 
         squares, modes = lowest_modes(
-            factor.solve, weigh, superelement.size, limit=(FREE_RANGE * highest_omega) ** 2, shift=shift, most=most
-        )
+            factor.solve, weigh, superelement.size, limit=(FREE_RANGE * highest_omega) ** 2, shift=shift, most=most,
+            columns=COLUMNS,
+        )  # fmt: skip
         lowest = float(squares[0]) if squares.size else 0.0
     if factor is None or lowest < -NEGATIVE * largest:
         raise InputError(
@@ -256,6 +267,7 @@ def shapes_beside(vectors: list[FloatArray], modes: FloatArray, weigh: Operator)
     given = given / np.linalg.norm(given, axis=0)
 
     def beside(shapes: FloatArray) -> FloatArray:
+        """The part of shapes that the modes lack."""
         for _ in range(2):
             shapes = shapes - modes @ (weighted.T @ shapes)
         return shapes

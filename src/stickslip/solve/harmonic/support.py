@@ -97,9 +97,18 @@ class StaticFactor:
         return both_sides(operator, inverse)
 
 
+@dataclass(frozen=True)
+class KnownFactors:
+    """Factors of a structure that exist already: with all springs at rest, and with those of its pairs that no friction
+    carries (None: some body would move freely without friction)."""
+
+    stuck: StaticFactor
+    without_friction: StaticFactor | None
+
+
 def only_friction_supports(superelement: Superelement, pairs: ContactPairs) -> bool:
     """Whether some body would move freely without friction, to working accuracy."""
-    return _without_friction(superelement, pairs) is None
+    return factor_without_friction(superelement, pairs) is None
 
 
 def restrained(pairs: ContactPairs) -> NDArray[np.bool_]:
@@ -108,11 +117,11 @@ def restrained(pairs: ContactPairs) -> NDArray[np.bool_]:
 
 
 def mean_factor(
-    superelement: Superelement, pairs: ContactPairs, stuck: StaticFactor | None = None
+    superelement: Superelement, pairs: ContactPairs, known: KnownFactors | None = None
 ) -> tuple[StaticFactor, float]:
     """The response to mean forces, and its restraint; springs without a mean do not act here.
 
-    ``stuck`` is the factor with all springs at rest, if it exists: it serves where all of them act on the mean.
+    ``known`` factors are not computed again.
 
     A body that only friction supports has ``MEAN_RESTRAINT`` on the mean, also with residual tractions, which vanish
     when all its pairs slip; pairs that may walk need none. Raises InputError if the structure stays singular.
@@ -122,16 +131,17 @@ def mean_factor(
         pairs.undetermined(),
         restrained(pairs),
     )
-    without_friction = _without_friction(superelement, pairs)
+    without_friction = factor_without_friction(superelement, pairs) if known is None else known.without_friction
     restraint = MEAN_RESTRAINT if without_friction is None and restricted.any() else 0.0
     if without_friction is not None and (undetermined == pairs.frictional()).all():
         return without_friction, restraint
-    if stuck is not None and restraint == 0.0 and not undetermined.any():
-        return stuck, restraint
+    if known is not None and restraint == 0.0 and not undetermined.any():
+        return known.stuck, restraint
     return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * restricted)), restraint
 
 
-def _without_friction(superelement: Superelement, pairs: ContactPairs) -> StaticFactor | None:
+def factor_without_friction(superelement: Superelement, pairs: ContactPairs) -> StaticFactor | None:
+    """The factor without the springs of friction, None where some body would move freely."""
     springs = pairs.resting_stiffness().reshape(-1, 3)
     return StaticFactor.attempt(superelement, pairs, springs * ~pairs.frictional())
 
