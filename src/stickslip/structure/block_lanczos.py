@@ -26,8 +26,9 @@ Operator = Callable[[FloatArray], FloatArray]
 
 # chosen: as many solutions at a time read the factor as often as one; more make a larger basis.
 COLUMNS = 16
-# chosen: residual of a Ritz value x of T, over x, and over the largest one (round-off of the solutions).
-TOLERANCE, ROUND_OFF = 1e-12, 1e-15
+# chosen: residual of a Ritz value x of T, over x, and over the largest one (round-off of the solutions). The error of x
+# is its square, that of a vector this over the relative distance to the next solution.
+TOLERANCE, ROUND_OFF = 1e-10, 1e-15
 # chosen: directions of a block with a smaller square of the length, over the largest one, are round-off.
 NO_DIRECTION = 1e-13
 # chosen: part of H that round-off may make asymmetric; solutions with 16 digits have 1e-12.
@@ -124,9 +125,12 @@ class _Krylov:
         room = self._size - self._width(self._blocks)
         if not room:
             return
-        # The columns may differ by many orders in size: an orthonormal basis of them first.
+        # The columns may differ by many orders in size: an orthonormal basis of them before the second pass.
         basis = np.linalg.qr(self._without(block)[:, :room])[0]
-        basis = self._without(basis)
+        self._add(self._without(basis))
+
+    def _add(self, basis: FloatArray) -> None:
+        """Add a block that is M-orthogonal to the basis."""
         weighted = self._weigh(basis)
         for _ in range(2):  # the second time for the round-off of a block that M nearly makes dependent
             squares, turns = scipy.linalg.eigh(basis.T @ weighted)
@@ -136,12 +140,18 @@ class _Krylov:
         self._blocks.append(basis)
         self._weighted.append(weighted)
 
-    def _without(self, block: FloatArray) -> FloatArray:
-        """The part of a block that is M-orthogonal to the basis."""
-        block = block.copy()
-        for _ in range(2):
-            for own, weighted in zip(self._blocks, self._weighted, strict=True):
-                block -= own @ (weighted.T @ block)
+    def _products(self, block: FloatArray) -> FloatArray:
+        """``V^T M`` times a block."""
+        return np.vstack([np.zeros((0, block.shape[1])), *(each.T @ block for each in self._weighted)])
+
+    def _without(self, block: FloatArray, products: FloatArray | None = None) -> FloatArray:
+        """The part of a block that is M-orthogonal to the basis, to the round-off of the block."""
+        products = self._products(block) if products is None else products
+        first, block = 0, block.copy()
+        for own in self._blocks:
+            stop = first + own.shape[1]
+            block -= own @ products[first:stop]
+            first = stop
         return block
 
     def step(self) -> None:
@@ -150,8 +160,12 @@ class _Krylov:
         if first == stop:
             return
         images = self._solve(np.hstack(self._weighted[first:stop]))
-        self.append(images)
-        products = np.vstack([each.T @ images for each in self._weighted])
+        products = self._products(images)
+        rest = self._without(images, products)
+        room = self._size - self._width(self._blocks)
+        if room:
+            self._add(self._without(np.linalg.qr(rest[:, :room])[0]))
+        self._coupling = np.vstack([np.zeros((0, images.shape[1])), *(w.T @ rest for w in self._weighted[stop:])])
         width, before = self._width(self._blocks[:stop]), len(self._projection)
         own = products[before:width]
         if not np.abs(own - own.T).max() <= ASYMMETRY * np.abs(own).max():
@@ -162,10 +176,10 @@ class _Krylov:
             )
         projection = np.zeros((width, width))
         projection[:before, :before] = self._projection
-        projection[:, before:] = products[:width]
+        projection[:, before:] = products
         projection[before:, :before] = products[:before].T
         self._projection = 0.5 * (projection + projection.T)
-        self._coupling, self._stepped, self._last = products[width:], stop, width - before
+        self._stepped, self._last = stop, width - before
 
     def ritz(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """The Ritz values of T, largest first, their vectors in the basis, and their residuals in the norm of M."""
