@@ -28,7 +28,6 @@ from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.damping import DAMPED_RANGE
 from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
-from stickslip.solve.harmonic.kept_modes import KeptBalance, KeptCompliance, KeptModes, kept_modes
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
 from stickslip.solve.harmonic.operator_products import own_products
 from stickslip.solve.harmonic.resonances import Resonances
@@ -137,8 +136,6 @@ class Balances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
-    # A large joint has the balances of its softest modes (:mod:`stickslip.solve.harmonic.kept_modes`).
-    few_modes: bool = False
     no_static_mode: ClassVar[str] = ""
 
     @property
@@ -215,16 +212,9 @@ class Balances:
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
-        if isinstance(self.stuck, SoftStructure):
-            return Balance(self.stuck.soft_compliance(harmonics), self.pairs, force, samples or self.samples)
-        whole = Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
-        if self._kept is None:
-            return whole
-        return KeptBalance(whole, KeptCompliance(self.stuck, self._kept, harmonics))
-
-    @cached_property
-    def _kept(self) -> KeptModes | None:
-        return kept_modes(self.stuck, self.force) if self.few_modes else None
+        stuck = self.stuck
+        soft = stuck.soft_compliance(harmonics) if isinstance(stuck, SoftStructure) else None
+        return Balance(soft or stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
 
     def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability:
         """See :func:`curve_stability`; the verdicts are confirmed with more harmonics."""
@@ -245,7 +235,7 @@ class Balances:
         stuck = self.stuck
         if isinstance(stuck, SoftStructure):
             stuck = stuck_structure(self.superelement, self.pairs, stuck.highest_omega, self.modal_damping_ratio)
-        return replace(self, stuck=stuck, few_modes=False)
+        return replace(self, stuck=stuck)
 
     def exact(self, harmonics: int, samples: int) -> Balance:
         """The balance whose Newton matrix contains all modes, as adjoint solutions require."""
@@ -286,7 +276,7 @@ def prepare_balances(
         soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio, without_friction)
     stuck = soft or stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
-    return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio, few_modes)
+    return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
 
 
 def resistance(operator: FloatArray, matrix: FloatArray) -> FloatArray:

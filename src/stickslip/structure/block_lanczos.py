@@ -24,8 +24,8 @@ from stickslip.core.validation import FloatArray
 
 Operator = Callable[[FloatArray], FloatArray]
 
-# chosen: as many solutions at a time read the factor as often as one; more make a larger basis. 440 pairs, 30 modes: 168
-# vectors in 20 solutions, 240 in 15 with 16 columns; single vectors take 142 solutions.
+# chosen: as many solutions at a time read the factor as often as one; more make a larger basis. 30 modes of 440 pairs
+# take 176 vectors in 20 solutions, with 16 columns 272 in 15; single vectors take 142 solutions.
 COLUMNS = 8
 MORE_ROOM = 64  # chosen: vectors for which the basis grows at a time
 # chosen: residual of a Ritz value x of T, over x, and over the largest one (round-off of the solutions). The error of x

@@ -36,7 +36,7 @@ from stickslip.solve.harmonic.compliance import (
     require_one_size,
 )
 from stickslip.solve.harmonic.damping import modal_damping
-from stickslip.solve.harmonic.harmonic_modes import LARGE_ROWS, IndexArray, NewtonOperator
+from stickslip.solve.harmonic.harmonic_modes import LARGE_ROWS
 from stickslip.solve.harmonic.kept_modes import (
     KEPT_RANGE,
     MOST_KEPT,
@@ -47,7 +47,6 @@ from stickslip.solve.harmonic.kept_modes import (
 from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.operator_products import add_springs, at_unknowns, times
 from stickslip.solve.harmonic.resonances import NEAR_MODES
-from stickslip.solve.harmonic.row_products import row_products
 from stickslip.solve.harmonic.support import (
     ROWS,
     KnownFactors,
@@ -90,12 +89,13 @@ class SoftStructure(StuckStructure):
         """Whether the mean has the compliance of the harmonics at rest."""
         return self.mean is self.static
 
-    @property
+    @cached_property
     def kept(self) -> KeptModes:
         """The modes as the balance uses them."""
         return KeptModes(
-            self.modes, self.contact_modes, self.circular_frequency, self.modal_damping, self.rest, self.has_same_mean
-        )
+            self.modes, self.contact_modes, self.circular_frequency, self.modal_damping, self.static, self.rest,
+            self.has_same_mean,
+        )  # fmt: skip
 
     @cached_property
     def mean_shapes(self) -> FloatArray:
@@ -105,52 +105,9 @@ class SoftStructure(StuckStructure):
         shapes, sizes, _ = scipy.linalg.svd(self.contact_modes / self.circular_frequency, full_matrices=False)
         return np.asarray(shapes[:, :MEAN_SHAPES] * sizes[:MEAN_SHAPES])
 
-    def soft_compliance(self, harmonics: int) -> SoftCompliance:
+    def soft_compliance(self, harmonics: int) -> KeptCompliance:
         """The compliance for a number of harmonics."""
-        return SoftCompliance(self, harmonics)
-
-
-class SoftCompliance(KeptCompliance):
-    """The compliance of a :class:`SoftStructure`; amplitudes are (2H, p)."""
-
-    def __init__(self, structure: SoftStructure, harmonics: int) -> None:
-        super().__init__(structure, structure.kept, harmonics)
-        self._structure = structure
-        self._softness = self._kept.contact / self._kept.circular_frequency**2
-
-    def relative(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
-        """``B u`` (2H+1, m) of amplitudes (2H, p) and a deviation (2H+1, m)."""
-        if not self._kept.same_mean:
-            return super().relative(amplitude, deviation)
-        answer = np.zeros((amplitude.shape[0] + 1, len(self._kept.contact)))
-        np.matmul(amplitude, self._kept.contact.T, out=answer[1:])
-        if deviation.any():
-            answer -= self._of_rest(deviation)
-            answer[0] -= self._softness @ (deviation[0] @ self._kept.contact)
-        return answer
-
-    def mean_relative(self, force: FloatArray) -> FloatArray:
-        """(m,) mean relative displacements under mean forces (m,) on the pairs."""
-        if not self._kept.same_mean:
-            return super().mean_relative(force)
-        rest = row_products(self._kept.rest, force[None])[0]
-        return np.asarray(rest + self._softness @ (force @ self._kept.contact))
-
-    def displacement(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
-        """All unknowns (..., 2H+1, n): the kept shapes, and the static response of all others."""
-        answer = super().displacement(amplitude, deviation)
-        force = deviation[..., 1:, :]
-        unknowns = at_unknowns(force, self._operator)
-        static = self._structure.static.solve(unknowns.reshape(-1, unknowns.shape[-1]).T).T
-        answer[..., 1:, :] -= static.reshape(unknowns.shape)
-        answer[..., 1:, :] += (force @ self._softness) @ self._structure.modes.T
-        return answer
-
-    def newton(self, omega: float, columns: IndexArray) -> NewtonOperator:
-        """A for the Newton matrix at ``omega``, for deviations on ``columns``."""
-        # of the mean, a large matrix without one of its own requires the number of rows alone
-        mean = self._kept.rest if self._shared.has_mean else self._mean_contact
-        return self._modes.newton(mean, columns, self.gain.near(omega))
+        return KeptCompliance(self, self.kept, harmonics)
 
 
 def soft_structure(
@@ -163,10 +120,10 @@ def soft_structure(
 ) -> SoftStructure | None:
     """The stuck structure of a large joint in its soft modes; None where all modes serve as well or are required.
 
-    These are the cases of :func:`stickslip.solve.harmonic.kept_modes.kept_modes`: a joint of few rows, one with many
-    soft modes or with many unknowns on which no pair depends, and a damping or gyroscopic matrix, which may couple all
-    modes. ``without_friction`` is :func:`stickslip.solve.harmonic.support.factor_without_friction`. Raises InputError
-    as :func:`stickslip.solve.harmonic.compliance.stuck_structure` does.
+    These are a joint of few rows, one with many soft modes or with many unknowns on which no pair depends, and a
+    damping or gyroscopic matrix, which may couple all modes. ``without_friction`` is that of
+    :func:`stickslip.solve.harmonic.support.factor_without_friction`. Raises InputError as
+    :func:`stickslip.solve.harmonic.compliance.stuck_structure` does.
     """
     size, rows = superelement.size, 3 * pairs.n_pairs
     require_one_size(superelement, pairs)
