@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +64,7 @@ class KeptModes:
     circular_frequency: FloatArray
     damping: FloatArray
     static: StaticFactor
-    rest: NDArray[np.float32]
+    rest: NDArray[Any]
     same_mean: bool
 
     @cached_property

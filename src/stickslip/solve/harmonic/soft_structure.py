@@ -233,7 +233,7 @@ def shapes_beside(vectors: list[FloatArray], modes: FloatArray, weigh: Operator)
     size = np.linalg.norm(parts, axis=0)
     parts = parts[:, size > SAME_SHAPE] / size[size > SAME_SHAPE]
     if not parts.shape[1]:
-        return parts
+        return np.asarray(parts)
     basis = beside(scipy.linalg.orth(parts, rcond=SAME_SHAPE))
     for _ in range(2):  # the second time for the round-off of shapes that M nearly makes dependent
         squares, turns = scipy.linalg.eigh(basis.T @ weigh(basis))
