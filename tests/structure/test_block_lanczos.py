@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from sentences import rejects
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
 from stickslip.structure.block_lanczos import TooManyModes, lowest_modes
@@ -83,5 +84,5 @@ def test_too_many_solutions_up_to_a_limit_are_not_computed() -> None:
 def test_solutions_that_contradict_the_matrix_are_an_error() -> None:
     """A solver that is none of a symmetric matrix does not converge silently."""
     pencil, random = Pencil(np.geomspace(1.0, 1e3, 40)), np.random.default_rng(1)
-    with pytest.raises(ConvergenceError, match="have no digits"):
+    with rejects(ConvergenceError):
         lowest_modes(lambda block: random.standard_normal(block.shape), pencil.weigh, 40, count=5, columns=8)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve import setting_up
@@ -187,5 +188,5 @@ def test_a_stiffness_with_a_negative_eigenvalue_is_rejected(blade: Blade, monkey
     wrong = replace(
         blade.superelement, damping=None, stiffness=blade.superelement.stiffness - 1e9 * blade.superelement.mass
     )
-    with pytest.raises(InputError, match="negative eigenvalue"):
+    with rejects(InputError):
         soft_structure.soft_free_limit(wrong, force, 2.0 * np.pi * max(blade.window_hz), 1000)
