@@ -25,7 +25,8 @@ from stickslip.study.analyses import solve
 
 REDUCTION = "--reduction"
 # Pairs of both faces -> elements up the contact face and along the damper.
-ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32)}
+# 5032 take hours on a crowded machine and 13 GB: only where they are asked for.
+ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32), 5032: (33, 73)}
 
 
 def case_with(n_pairs: int) -> Case:
@@ -106,7 +107,7 @@ def main() -> None:
         return
     before: dict[str, float] | None = None
     options = [argument for argument in sys.argv[1:] if argument == REDUCTION]
-    for n_pairs in [int(argument) for argument in sys.argv[1:] if argument not in options] or sorted(ELEMENTS):
+    for n_pairs in [int(argument) for argument in sys.argv[1:] if argument not in options] or sorted(ELEMENTS)[:3]:
         command = [sys.executable, __file__, "--one", str(n_pairs), *options]
         answer = subprocess.run(command, check=True, capture_output=True, text=True).stdout
         row: dict[str, float] = json.loads(answer.splitlines()[-1])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from math import isfinite
 from typing import Any
 
@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.core.errors import InputError
 
 FloatArray = NDArray[np.float64]
+
+BAND = 128  # chosen: rows of a matrix at a time, which are few megabytes of a large one
 
 
 def set_fields(instance: object, **values: Any) -> None:
@@ -82,8 +84,9 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
         raise argument_error(name, f"{name} must contain real numbers, but the conversion fails: {error}.") from error
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):  # a single number has no index, so bad has no columns
+    finite = np.isfinite(array)
+    if not finite.all():
+        bad = np.argwhere(~finite)  # a single number has no index, so bad has no columns
         where = f"[{', '.join(str(i) for i in bad[0])}]" if array.ndim else ""
         entry = array[tuple(bad[0])]
         raise argument_error(
@@ -95,7 +98,10 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
 
 
 def symmetric_matrix(name: str, value: Any, tolerance: float = 1e-8) -> FloatArray:
-    """Return ``value`` as a dense, square, symmetric float matrix (n, n); raises InputError otherwise."""
+    """Return ``value`` as a dense, square, symmetric float matrix (n, n); raises InputError otherwise.
+
+    A float matrix that is symmetric to the last bit is returned itself, not a copy.
+    """
     return _with_symmetry(name, value, tolerance, 1.0)
 
 
@@ -110,11 +116,12 @@ def _with_symmetry(name: str, value: Any, tolerance: float, sign: float) -> Floa
     matrix = finite_array(name, dense)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
         raise argument_error(name, f"{name} must be a square matrix, but its shape is {matrix.shape}.")
-    largest = float(np.abs(matrix).max(initial=0.0))
-    difference = np.abs(matrix - sign * matrix.T)
-    asymmetry = float(difference.max(initial=0.0))
+    largest, asymmetry = 0.0, 0.0
+    for part, mirrored in _bands(matrix):  # a large matrix has no room for a second one
+        largest = max(largest, float(np.abs(part).max(initial=0.0)))
+        asymmetry = max(asymmetry, float(np.abs(part - sign * mirrored).max(initial=0.0)))
     if asymmetry > tolerance * largest:
-        i, j = np.unravel_index(int(difference.argmax()), matrix.shape)
+        i, j = np.unravel_index(int(np.abs(matrix - sign * matrix.T).argmax()), matrix.shape)
         words, operation, other = ("symmetric", "+", "") if sign > 0.0 else ("skew-symmetric", "-", "minus ")
         raise argument_error(
             name,
@@ -123,7 +130,18 @@ def _with_symmetry(name: str, value: Any, tolerance: float, sign: float) -> Floa
             f"differ by {asymmetry / largest:.1e} of the largest entry (allowed: {tolerance:.0e}). "
             f"If the difference is round-off, pass 0.5 * ({name} {operation} {name}.T).",
         )
-    return np.asarray(0.5 * (matrix + sign * matrix.T))
+    if asymmetry == 0.0:
+        return matrix
+    answer = np.empty(matrix.shape)
+    for (part, mirrored), (target, _) in zip(_bands(matrix), _bands(answer), strict=True):
+        target[...] = 0.5 * (part + sign * mirrored)
+    return answer
+
+
+def _bands(matrix: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Some rows of a square matrix at a time, and the same rows of its transpose."""
+    for start in range(0, len(matrix), BAND):
+        yield matrix[start : start + BAND], matrix[:, start : start + BAND].T
 
 
 def per_pair(name: str, value: ArrayLike, n_pairs: int) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any, Protocol
 
@@ -78,11 +78,10 @@ class _Structure:
         return checked_band_output(pairs, row, self.superelement.size)
 
     def balances(self, given: CurveInput, on_stage: Callable[[str], None]) -> CurveBalances:
-        balances = prepare_balances(
+        return prepare_balances(
             self.superelement, given.pairs, given.excitation, given.highest_omega, given.harmonics, given.samples,
-            given.modal_damping_ratio, given.update, on_stage,
+            given.modal_damping_ratio, given.update, on_stage, few_modes=True,
         )  # fmt: skip
-        return replace(balances, few_modes=True)
 
 
 @curve_structure.register(CyclicSector)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import amplitude_ramp, at_frequency
+from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.setting_up import CurveBalances
 from stickslip.solve.settled_motion import NOT_SOUGHT, SAME, SettledMotion, settled_motion
@@ -123,8 +125,12 @@ class Settling:
     ) -> None:
         self._newton, self._curve, self._balances, self._report = newton, curve, balances, report
         self._harmonics = curve.balance.harmonics
-        self._in_time = balances.in_time()
         self.work = curve.work
+
+    @cached_property
+    def _in_time(self) -> MotionInTime | None:
+        """The motion in time, whose matrices few curves require."""
+        return self._balances.in_time()
 
     def solution(self, near: Sequence[BalancePoint], omega: float, ramp: bool) -> tuple[BalancePoint, str] | None:
         """A solution at a frequency, and how it was found.

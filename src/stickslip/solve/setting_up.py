@@ -28,11 +28,11 @@ from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.damping import DAMPED_RANGE
 from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
-from stickslip.solve.harmonic.kept_modes import KeptBalance, KeptCompliance, KeptModes, kept_modes
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
-from stickslip.solve.harmonic.operator_products import times
+from stickslip.solve.harmonic.operator_products import own_products
 from stickslip.solve.harmonic.resonances import Resonances
-from stickslip.solve.harmonic.support import only_friction_supports
+from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_structure
+from stickslip.solve.harmonic.support import factor_without_friction
 from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
 from stickslip.solve.motion_in_time import MotionInTime
@@ -136,8 +136,6 @@ class Balances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
-    # A large joint has the balances of its softest modes (:mod:`stickslip.solve.harmonic.kept_modes`).
-    few_modes: bool = False
     no_static_mode: ClassVar[str] = ""
 
     @property
@@ -163,17 +161,22 @@ class Balances:
         """The structure without contact."""
         mass, stiffness, stuck = self.superelement.mass, self.superelement.stiffness, self.stuck
         root = stuck.damping_root if self.superelement.gyroscopic is None else None
-        return LinearLimit.of_matrices(mass, stiffness, stuck.velocity_matrix, root)
+        if isinstance(stuck, SoftStructure):
+            return stuck.free if root is None else stuck.free.with_damping_root(root)
+        return LinearLimit.of_matrices(mass, stiffness, stuck.velocity_matrix if root is None else None, root)
 
     @property
     def is_damped(self) -> bool:
         """Whether the structure has viscous damping."""
-        return bool(self.stuck.damping.any())
+        root = self.stuck.damping_root
+        return bool((self.stuck.damping if root is None else root).any())
 
     @property
     def equation(self) -> EquationOfMotion:
         """The terms of the equation of motion."""
-        return StructureEquation(self.superelement, self.stuck.velocity_matrix, self.pairs.operator)
+        root = self.stuck.damping_root if self.superelement.gyroscopic is None else None
+        damping = self.stuck.velocity_matrix if root is None else root
+        return StructureEquation(self.superelement, damping, self.pairs.operator, is_root=root is not None)
 
     @property
     def shown_pairs(self) -> ContactPairs:
@@ -209,19 +212,14 @@ class Balances:
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
-        whole = Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
-        if self._kept is None:
-            return whole
-        return KeptBalance(whole, KeptCompliance(self.stuck, self._kept, harmonics))
-
-    @cached_property
-    def _kept(self) -> KeptModes | None:
-        return kept_modes(self.stuck, self.force) if self.few_modes else None
+        stuck = self.stuck
+        soft = stuck.soft_compliance(harmonics) if isinstance(stuck, SoftStructure) else None
+        return Balance(soft or stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
 
     def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability:
         """See :func:`curve_stability`; the verdicts are confirmed with more harmonics."""
         correction = correction_of(trials, self.with_harmonics, self.samples, self.damped_harmonics)
-        return curve_stability(trials, pairs, self.stuck, correction)
+        return curve_stability(trials, pairs, self._with_all_modes.stuck, correction)
 
     def in_time(self) -> MotionInTime:
         """The motion in time of the structure, with the damping of the balances."""
@@ -230,7 +228,14 @@ class Balances:
 
     def of_structure(self) -> Balances:
         """These balances with all modes, for analyses that require the matrices of a structure."""
-        return replace(self, few_modes=False)
+        return self._with_all_modes
+
+    @cached_property
+    def _with_all_modes(self) -> Balances:
+        stuck = self.stuck
+        if isinstance(stuck, SoftStructure):
+            stuck = stuck_structure(self.superelement, self.pairs, stuck.highest_omega, self.modal_damping_ratio)
+        return replace(self, stuck=stuck)
 
     def exact(self, harmonics: int, samples: int) -> Balance:
         """The balance whose Newton matrix contains all modes, as adjoint solutions require."""
@@ -249,14 +254,16 @@ def prepare_balances(
     update: Update,
     on_stage: Callable[[str], None],
     known: StuckStructure | None = None,
+    few_modes: bool = False,
 ) -> Balances:
     """Check the input and compute the modes of the stuck structure, or use ``known`` ones if they are the same.
 
-    Raises InputError.
+    With ``few_modes``, a large joint has its soft modes alone. Raises InputError.
     """
     check_options(harmonics, samples, update, modal_damping_ratio)
     pairs = pairs.with_update(update)
-    if only_friction_supports(superelement, pairs):
+    without_friction = factor_without_friction(superelement, pairs)
+    if without_friction is None:
         # The stuck pairs of such a body carry its mean load: only they know where it is.
         pairs = pairs.retaining()
     force = excitation.on(superelement, harmonics)
@@ -264,14 +271,17 @@ def prepare_balances(
     elastic, inertial = (resistance(operator, matrix) for matrix in (superelement.stiffness, superelement.mass))
     require_comparable(pairs, elastic + highest_omega**2 * inertial)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
-    stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
+    soft = None
+    if few_modes:
+        soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio, without_friction)
+    stuck = soft or stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
 
 
 def resistance(operator: FloatArray, matrix: FloatArray) -> FloatArray:
     """(m,) ``|b A b|`` of the rows b of an operator."""
-    return np.asarray(np.abs((times(operator, matrix) * operator).sum(axis=1)))
+    return np.abs(own_products(operator, matrix))
 
 
 def require_comparable(pairs: ContactPairs, resisting: FloatArray) -> None:

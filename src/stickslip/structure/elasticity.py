@@ -17,6 +17,7 @@ from stickslip.core.validation import (
     argument_error,
     require_choice,
 )
+from stickslip.structure.block_lanczos import lowest_modes
 from stickslip.structure.constraints import Constraints
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.incompatible_brick import incompatible_stiffness
@@ -299,13 +300,20 @@ def scattered(local: FloatArray, unknowns: IntArray, size: int) -> Any:
 
 
 def natural_frequencies(
-    stiffness: Any, mass: Any, count: int, shift: float | None = None, factor: Factor | None = None
+    stiffness: Any,
+    mass: Any,
+    count: int,
+    shift: float | None = None,
+    factor: Factor | None = None,
+    by_blocks: bool = False,
 ) -> tuple[FloatArray, FloatArray]:
     """Lowest solutions of ``K v = (2 pi f)^2 M v``: frequencies (count,) in Hz and mass-normalised modes (n, count).
 
     Sparse matrices are solved by shift-invert Lanczos about ``shift`` ((rad/s)^2), dense ones directly. The default
     shift is small and negative (1e-8 of the mean ratio of the diagonals), which also suits free structures: their
-    rigid-body modes are at 0 Hz. ``factor`` is that of ``stiffness - shift * mass`` if it already exists. The largest
+    rigid-body modes are at 0 Hz. ``factor`` is that of ``stiffness - shift * mass`` if it already exists; one of a real
+    matrix that solves a block of columns in little more time than one is used ``by_blocks``, see
+    :mod:`stickslip.structure.block_lanczos`. The largest
     component of each mode is positive, the first one of those that are equal within 1e-6: symmetric structures have
     pairs of them with opposite signs. Matrices may be complex and Hermitian; the modes are complex then.
 
@@ -325,7 +333,10 @@ def natural_frequencies(
     if scipy.sparse.issparse(stiffness):
         centre = -1e-8 * scale if shift is None else shift
         factor = factor or factorize(stiffness - centre * mass)
-        eigenvalues, modes = eigenpairs_near(stiffness, count, centre, factor, mass)
+        if by_blocks:
+            eigenvalues, modes = lowest_modes(factor.solve, lambda block: mass @ block, size, count=count, shift=centre)
+        else:
+            eigenvalues, modes = eigenpairs_near(stiffness, count, centre, factor, mass)
     else:
         eigenvalues, modes = scipy.linalg.eigh(stiffness, mass, subset_by_index=(0, count - 1))
     order = np.argsort(eigenvalues)

@@ -57,7 +57,9 @@ def reduced_by_fronts(
     except SingularMatrixError as error:
         raise InputError(floating_message(inner_stiffness, of_mesh[0][interior])) from error
     factor = Factor(len(interior), residual, threads, fronts.solve)
-    squared, modes = fixed_interface_modes(matrices, interior, factor, n_modes, lambda _, words: report(0.7, words))
+    squared, modes = fixed_interface_modes(
+        matrices, interior, factor, n_modes, lambda _, words: report(0.7, words), by_blocks=True
+    )
     weighted = mass[interior][:, interior] @ modes
     coupling = mass[boundary][:, interior] @ modes - stiffness[boundary][:, interior] @ factor.solve(weighted)
     reduced_mass[:count, count:], reduced_mass[count:, :count] = coupling, coupling.T

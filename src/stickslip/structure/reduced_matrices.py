@@ -95,14 +95,24 @@ def require_modes(n_modes: int, interior: IntArray) -> None:
 
 
 def fixed_interface_modes(
-    matrices: tuple[Any, Any, Any], interior: IntArray, factor: Factor, n_modes: int, report: ProgressCallback
+    matrices: tuple[Any, Any, Any],
+    interior: IntArray,
+    factor: Factor,
+    n_modes: int,
+    report: ProgressCallback,
+    by_blocks: bool = False,
 ) -> tuple[FloatArray, Any]:
-    """(n_modes,) squares of the circular frequencies and (n_interior, n_modes) mass-normalised modes."""
+    """(n_modes,) squares of the circular frequencies and (n_interior, n_modes) mass-normalised modes.
+
+    ``by_blocks`` as :func:`stickslip.structure.elasticity.natural_frequencies` has it.
+    """
     report(0.2, f"{n_modes} fixed-interface modes")
     if not n_modes:
         return np.empty(0), np.empty((len(interior), 0), dtype=factor.dtype)
     inner_stiffness, inner_mass = (each[interior][:, interior] for each in matrices[:2])
-    frequency_hz, modes = natural_frequencies(inner_stiffness, inner_mass, n_modes, shift=0.0, factor=factor)
+    frequency_hz, modes = natural_frequencies(
+        inner_stiffness, inner_mass, n_modes, shift=0.0, factor=factor, by_blocks=by_blocks
+    )
     return (2.0 * np.pi * frequency_hz) ** 2, modes
 
 

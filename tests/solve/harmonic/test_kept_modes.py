@@ -13,10 +13,11 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve import output_maxima, setting_up
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import forced_response
-from stickslip.solve.harmonic import harmonic_modes, kept_modes, reduced
+from stickslip.solve.harmonic import harmonic_modes, reduced, soft_structure
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import FrequencyCurve
-from stickslip.solve.harmonic.kept_modes import KeptBalance, KeptModes
+from stickslip.solve.harmonic.kept_modes import KeptCompliance
+from stickslip.solve.harmonic.soft_structure import SoftStructure
 from stickslip.solve.output_maxima import OutputMaxima, cubic_between
 from stickslip.solve.path.arc_length import Metric, chord_between
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -30,56 +31,52 @@ HARMONICS = 3
 LOAD = 30.0  # times the force of the blade: pairs slip and separate far from its resonance
 
 
-@pytest.fixture
-def balances(blade: Blade) -> Balances:
+def prepared(blade: Blade, few_modes: bool) -> Balances:
     force = Excitation.force(blade.force_cos, blade.force_sin)
     highest = 2.0 * np.pi * max(blade.window_hz)
     undamped = replace(blade.superelement, damping=None)
-    return prepare_balances(undamped, blade.pairs, force, highest, HARMONICS, 128, None, "tractrix", lambda _: None)
+    return prepare_balances(
+        undamped, blade.pairs, force, highest, HARMONICS, 128, None, "tractrix", lambda _: None, few_modes=few_modes
+    )
 
 
-def with_range(balances: Balances, monkeypatch: pytest.MonkeyPatch, count: int) -> tuple[Balance, Balance, float]:
-    """The balance with all modes, that with ``count`` kept ones, and the frequency of the first other one."""
+@pytest.fixture
+def balances(blade: Blade) -> Balances:
+    return prepared(blade, few_modes=False)
+
+
+def few_of(balances: Balances, blade: Blade, monkeypatch: pytest.MonkeyPatch, count: int) -> Balances:
+    """The balances with ``count`` modes and added shapes."""
     frequency = balances.stuck.circular_frequency
-    monkeypatch.setattr(kept_modes, "LARGE_ROWS", 1)
-    monkeypatch.setattr(kept_modes, "MOST_KEPT", 1.0)
-    monkeypatch.setattr(kept_modes, "KEPT_RANGE", float(frequency[count - 1] * 1.0001 / balances.stuck.highest_omega))
-    whole, kept = balances.with_harmonics(HARMONICS), replace(balances, few_modes=True).with_harmonics(HARMONICS)
-    assert isinstance(kept, KeptBalance)
-    assert not isinstance(whole, KeptBalance)
-    return whole, kept, float(frequency[count])
+    monkeypatch.setattr(soft_structure, "LARGE_ROWS", 1)
+    monkeypatch.setattr(soft_structure, "MOST_KEPT", 2.0)
+    multiple = float(frequency[count - 1] * 1.0001 / balances.stuck.highest_omega)
+    monkeypatch.setattr(soft_structure, "KEPT_RANGE", multiple)
+    few = prepared(blade, few_modes=True)
+    assert isinstance(few.stuck, SoftStructure)
+    assert not isinstance(balances.stuck, SoftStructure)
+    return few
+
+
+def with_range(
+    balances: Balances, blade: Blade, monkeypatch: pytest.MonkeyPatch, count: int
+) -> tuple[Balance, Balance, float]:
+    """The balance with all modes, that with ``count`` kept ones, and the frequency of the first other one."""
+    few = few_of(balances, blade, monkeypatch, count)
+    whole, kept = (each.with_harmonics(HARMONICS) for each in (balances, few))
+    assert isinstance(kept.compliance, KeptCompliance)
+    assert not isinstance(whole.compliance, KeptCompliance)
+    return whole, kept, float(balances.stuck.circular_frequency[count])
 
 
 def random_deviation(balance: Balance) -> FloatArray:
     return RNG.standard_normal((2 * HARMONICS + 1, balance.rows))
 
 
-@pytest.mark.parametrize("count", [6, 12])
-def test_only_the_inertia_of_far_modes_is_neglected(
-    balances: Balances, monkeypatch: pytest.MonkeyPatch, count: int
-) -> None:
-    whole, kept, first_other = with_range(balances, monkeypatch, count)
-    deviation, omega = random_deviation(whole), balances.stuck.highest_omega
-    answers = []
-    for balance in (whole, kept):
-        amplitude = balance.compliance.amplitude(omega, None, deviation)
-        answers.append(balance.compliance.relative(amplitude, deviation))
-    far = balances.stuck.contact_modes[:, count:] / balances.stuck.circular_frequency[count:]
-    static = np.linalg.norm(far, 2) ** 2
-    np.testing.assert_allclose(answers[1][0], answers[0][0], atol=1e-9 * np.abs(answers[0][0]).max())
-    for order in range(1, HARMONICS + 1):
-        rows = slice(2 * order - 1, 2 * order + 1)
-        ratio = (order * omega / first_other) ** 2
-        assert ratio < 0.5
-        difference = float(np.linalg.norm(answers[1][rows] - answers[0][rows]))
-        assert difference <= 1.01 * ratio / (1.0 - ratio) * static * np.linalg.norm(deviation[rows])
-        assert difference > 0.0
-
-
 def test_the_response_to_the_force_keeps_the_first_order_of_inertia(
-    balances: Balances, monkeypatch: pytest.MonkeyPatch
+    balances: Balances, blade: Blade, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole, kept, first_other = with_range(balances, monkeypatch, 6)
+    whole, kept, first_other = with_range(balances, blade, monkeypatch, 6)
     errors = []
     for share in (0.1, 0.2):
         omega = share * first_other / HARMONICS
@@ -92,7 +89,7 @@ def test_the_response_to_the_force_keeps_the_first_order_of_inertia(
 @pytest.mark.slow
 @pytest.mark.parametrize("large", [False, True])
 def test_solutions_satisfy_the_balance_with_all_modes(
-    balances: Balances, monkeypatch: pytest.MonkeyPatch, large: bool
+    balances: Balances, blade: Blade, monkeypatch: pytest.MonkeyPatch, large: bool
 ) -> None:
     """In slip and separation too, to the share of inertia in the other modes."""
     if large:
@@ -101,7 +98,7 @@ def test_solutions_satisfy_the_balance_with_all_modes(
         monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
     errors, first_mode = [], float(balances.stuck.circular_frequency[0])
     for count in (14, 24):
-        whole, kept, first_other = with_range(balances, monkeypatch, count)
+        whole, kept, first_other = with_range(balances, blade, monkeypatch, count)
         curve = FrequencyCurve(kept, LOAD)
         for share in (0.43, 0.71):
             start = curve.at(kept.linear(share * first_mode, LOAD), share * first_mode)
@@ -116,36 +113,13 @@ def test_solutions_satisfy_the_balance_with_all_modes(
     assert max(errors) < 1.0, errors
 
 
-def test_displacements_contain_all_modes(balances: Balances, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole, kept, _ = with_range(balances, monkeypatch, 12)
-    omega = balances.stuck.highest_omega
-    relative = whole.linear(omega)
-    trials = [balance.evaluate(relative, omega) for balance in (whole, kept)]
-    np.testing.assert_array_equal(trials[0].deviation, trials[1].deviation)
-    shape = trials[0].amplitude.shape
-    assert trials[1].amplitude.shape[1] < shape[1]
-    np.testing.assert_array_equal(whole.displacement(trials[:1]), kept.displacement(trials[1:]))
-
-
-def test_joints_of_few_rows_and_analyses_of_outputs_have_all_modes(
-    balances: Balances, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    few = replace(balances, few_modes=True)
-    assert not isinstance(few.with_harmonics(HARMONICS), KeptBalance)
-    monkeypatch.setattr(kept_modes, "LARGE_ROWS", 1)
-    monkeypatch.setattr(kept_modes, "MOST_KEPT", 1.0)
-    assert not isinstance(few.of_structure().with_harmonics(HARMONICS), KeptBalance)
-    monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.0)
-    assert not isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
-
-
 @pytest.mark.slow
 def test_outputs_at_a_contact_between_two_points_have_the_part_of_the_other_modes(
-    balances: Balances, monkeypatch: pytest.MonkeyPatch
+    balances: Balances, blade: Blade, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """No amplitude contains their part of the deviation, up to 28 % of a change here; 3 % remain."""
-    whole, kept, _ = with_range(balances, monkeypatch, 6)
-    few = replace(balances, few_modes=True)
+    few = few_of(balances, blade, monkeypatch, 6)
+    whole, kept = (each.with_harmonics(HARMONICS) for each in (balances, few))
     outputs, first_mode = balances.pairs.operator, float(balances.stuck.circular_frequency[0])
     record: list[FloatArray] = []
 
@@ -175,13 +149,15 @@ def test_outputs_at_a_contact_between_two_points_have_the_part_of_the_other_mode
     assert (np.abs(of_kept - inner).max(axis=(0, 1)) / changes).max() < 0.05
 
 
-def test_many_shapes_of_unknowns_without_pairs_count(balances: Balances, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_shapes_of_unknowns_without_pairs_count(
+    balances: Balances, blade: Blade, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Each unknown on which no pair depends adds two shapes: 14 modes and 20 shapes are more than half of 38."""
-    with_range(balances, monkeypatch, 14)
-    monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.5)
-    assert not isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
-    monkeypatch.setattr(kept_modes, "MOST_KEPT", 0.95)
-    assert isinstance(replace(balances, few_modes=True).with_harmonics(HARMONICS), KeptBalance)
+    few_of(balances, blade, monkeypatch, 14)
+    monkeypatch.setattr(soft_structure, "MOST_KEPT", 0.5)
+    assert not isinstance(prepared(blade, few_modes=True).stuck, SoftStructure)
+    monkeypatch.setattr(soft_structure, "MOST_KEPT", 0.95)
+    assert isinstance(prepared(blade, few_modes=True).stuck, SoftStructure)
 
 
 @pytest.mark.slow
@@ -194,15 +170,15 @@ def test_a_curve_is_that_of_all_modes(blade: Blade, monkeypatch: pytest.MonkeyPa
     outputs = np.vstack([np.eye(structure.size)[0], np.eye(structure.size)[-1]])
     responses, used = [], []
 
-    def observed(*arguments: Any) -> KeptModes | None:
-        used.append(kept_modes.kept_modes(*arguments))
+    def observed(*arguments: Any) -> SoftStructure | None:
+        used.append(soft_structure.soft_structure(*arguments))
         return used[-1]
 
-    monkeypatch.setattr(setting_up, "kept_modes", observed)
-    monkeypatch.setattr(kept_modes, "MOST_KEPT", 1.0)
-    monkeypatch.setattr(kept_modes, "KEPT_RANGE", 30.0)
+    monkeypatch.setattr(setting_up, "soft_structure", observed)
+    monkeypatch.setattr(soft_structure, "MOST_KEPT", 2.0)
+    monkeypatch.setattr(soft_structure, "KEPT_RANGE", 30.0)
     for rows in (10**9, 1):
-        for module in (kept_modes, harmonic_modes, reduced):
+        for module in (soft_structure, harmonic_modes, reduced):
             monkeypatch.setattr(module, "LARGE_ROWS", rows)
         responses.append(
             forced_response(
@@ -220,11 +196,11 @@ def test_a_curve_is_that_of_all_modes(blade: Blade, monkeypatch: pytest.MonkeyPa
     whole, kept = responses
     assert used[0] is None
     assert used[1] is not None
-    assert used[1].contact.shape[1] < structure.size
+    assert used[1].modes.shape[1] < structure.size
     assert kept.n_points == whole.n_points
     for name in ("maxima_between_points", "search_for_missed_peaks"):
         assert kept.settings[name] == whole.settings[name]
-    assert whole.residual.max() < kept.residual.max() < 1e-6
+    assert kept.residual.max() < 1e-6
     for name in ("input_energy", "viscous_energy", "kinetic_energy", "dissipated_energy"):
         expected, actual = getattr(whole, name), getattr(kept, name)
         assert actual.max() == pytest.approx(expected.max(), rel=1e-5)

@@ -35,7 +35,7 @@ from stickslip.solve.harmonic.harmonic_modes import (
     NewtonOperator,
     SharedModes,
 )
-from stickslip.solve.harmonic.operator_products import times
+from stickslip.solve.harmonic.operator_products import at_unknowns, times
 from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest, restrained
 from stickslip.structure.superelement import Superelement
 
@@ -93,7 +93,12 @@ class Compliance:
         self.gain = gain
         self._modes = modes
         self._operator = stuck.pairs.operator
-        self._mean, self._mean_contact = stuck.mean, stuck.mean_contact
+        self._mean, self._stuck = stuck.mean, stuck
+
+    @property
+    def _mean_contact(self) -> FloatArray:
+        """(m, m) compliance of the pairs on the mean."""
+        return self._stuck.mean_contact
 
     def excited(self, by: SelfExcitation) -> Compliance:
         """The compliance under a self-excitation."""
@@ -160,8 +165,8 @@ class Compliance:
     def displacement(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
         """All unknowns (..., 2H+1, n) of amplitudes (..., 2H, n) and deviations (..., 2H+1, m)."""
         shape = amplitude.shape
-        answer = np.empty((*shape[:-2], shape[-2] + 1, shape[-1]))
-        force = -(deviation[..., 0, :] @ self._operator)
+        answer = np.empty((*shape[:-2], shape[-2] + 1, self._operator.shape[1]))
+        force = -at_unknowns(deviation[..., 0, :], self._operator)
         answer[..., 0, :] = self._mean.solve(force.T).T
         answer[..., 1:, :] = self._modes.displacement(amplitude)
         return answer
@@ -253,7 +258,7 @@ class StuckStructure:
     @cached_property
     def mean_contact(self) -> FloatArray:
         """(m, m) compliance of the pairs on the mean."""
-        return np.ascontiguousarray(times(self.pairs.operator, self.mean.solve(self.pairs.operator.T)))
+        return self.mean.at_pairs(self.pairs.operator)
 
     @cached_property
     def mean_shapes(self) -> FloatArray:

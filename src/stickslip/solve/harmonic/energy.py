@@ -13,6 +13,7 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.operator_products import at_unknowns
 from stickslip.structure.superelement import Superelement
 
 Orders = NDArray[np.int64]
@@ -59,12 +60,13 @@ class EquationOfMotion(Protocol):
 
 @dataclass(frozen=True)
 class StructureEquation:
-    """The equation of a structure, with the matrix (n, n) of its velocities, damping and Coriolis forces, and the
-    operator (m, n) of its pairs."""
+    """The equation of a structure, with the matrix (n, n) of its velocities, damping and Coriolis forces, or the root
+    R (n, r) of a damping ``R R^T``, and the operator (m, n) of its pairs."""
 
     superelement: Superelement
     damping: FloatArray
     operator: FloatArray
+    is_root: bool = False
 
     def momentum(self, displacement: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""
@@ -76,11 +78,13 @@ class StructureEquation:
 
     def viscous_term(self, displacement: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""
+        if self.is_root:
+            return np.asarray((displacement @ self.damping) @ self.damping.T)
         return _product(displacement, self.damping.T)
 
     def joint_force(self, contact: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""
-        return np.asarray(contact @ self.operator)
+        return at_unknowns(contact, self.operator)
 
     def kinetic_energy(self, displacement: FloatArray, omega: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""

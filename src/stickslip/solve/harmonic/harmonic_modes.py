@@ -197,6 +197,11 @@ class SharedModes:
         """(n, m) modes at the contact, one in each row."""
         return np.ascontiguousarray(self.contact.T)
 
+    @property
+    def has_mean(self) -> bool:
+        """Whether these modes contain the mean of a large joint, so that it needs no compliance of its own."""
+        return len(self.contact) >= LARGE_ROWS and self._difference is not None and self._difference[0] is not None
+
     def of_force(self, force: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
         return np.asarray(force @ self.modes)
@@ -220,7 +225,7 @@ class SharedModes:
     def displacement(self, amplitude: FloatArray) -> FloatArray:
         """See :class:`HarmonicModes`."""
         shape = amplitude.shape
-        return np.asarray((amplitude.reshape(-1, shape[-1]) @ self.modes.T).reshape(shape))
+        return np.asarray((amplitude.reshape(-1, shape[-1]) @ self.modes.T).reshape(*shape[:-1], -1))
 
     def low_rank(
         self, rows: IndexArray, columns: IndexArray, gain: ComplexArray, compliance: float

@@ -129,12 +129,12 @@ class LinearLimit:
 
     @classmethod
     def of_matrices(
-        cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray, root: FloatArray | None = None
+        cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray | None, root: FloatArray | None = None
     ) -> LinearLimit:
-        """The limit of a structure given by its matrices (n, n); ``root`` (n, p) with ``C = R R^T``, if it is known,
-        replaces ``damping``."""
+        """The limit of a structure given by its matrices (n, n): ``damping``, or ``root`` (n, p) with ``C = R R^T``."""
         frequency, modes = modal_basis(mass, stiffness)
         if root is None:
+            assert damping is not None  # one of both
             return cls.of_modes(frequency, modes, stiffness, damping)
         shares = modes.T @ root
         return cls._with_rigid(frequency, modes, stiffness, shares @ shares.T)
@@ -145,6 +145,11 @@ class LinearLimit:
     ) -> LinearLimit:
         """The limit of a structure whose mass-normalised modes (n, n) are known."""
         return cls._with_rigid(circular_frequency, modes, stiffness, modes.conj().T @ damping @ modes)
+
+    @classmethod
+    def undamped(cls, circular_frequency: FloatArray, modes: FloatArray, stiffness: FloatArray) -> LinearLimit:
+        """The limit of a structure without damping whose mass-normalised modes (n, p), all or some, are known."""
+        return cls._with_rigid(circular_frequency, modes, stiffness, np.zeros(circular_frequency.size))
 
     @classmethod
     def _with_rigid(
@@ -166,6 +171,11 @@ class LinearLimit:
         """The same modes with another damping matrix (n, n)."""
         modal = self.modes.conj().T @ damping @ self.modes
         return LinearLimit(self.circular_frequency, self.modes, modal, self.rigid)
+
+    def with_damping_root(self, root: FloatArray) -> LinearLimit:
+        """The same modes with the damping ``R R^T`` of a root (n, r)."""
+        shares = self.modes.T @ root
+        return LinearLimit(self.circular_frequency, self.modes, shares @ shares.T, self.rigid)
 
     def moved_by(self, force: ExcitationForce) -> NDArray[np.bool_]:
         """(H, n) whether a harmonic of the force moves a mode (of ``resonant``), beyond round-off."""

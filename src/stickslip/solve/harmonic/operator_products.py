@@ -28,6 +28,43 @@ def with_springs(operator: FloatArray, springs: FloatArray) -> FloatArray:
     return np.asarray(operator.T @ (springs[:, None] * operator))
 
 
+def add_springs(matrix: FloatArray, operator: FloatArray, springs: FloatArray) -> FloatArray:
+    """``A + B^T diag(k) B`` in the place of A (n, n)."""
+    rows = _rows(operator)
+    if isinstance(rows, csr_array):
+        entries = (rows.T @ rows.multiply(springs[:, None])).tocoo()
+        matrix[entries.row, entries.col] += entries.data
+    else:
+        matrix += operator.T @ (springs[:, None] * operator)
+    return matrix
+
+
+def at_unknowns(force: FloatArray, operator: FloatArray) -> FloatArray:
+    """``F B`` (..., n) of forces (..., m) on the rows of an operator B (m, n)."""
+    flat = force.reshape(-1, force.shape[-1])
+    return np.asarray((_rows(operator).T @ flat.T).T).reshape(*force.shape[:-1], operator.shape[1])
+
+
+def own_products(operator: FloatArray, matrix: FloatArray) -> FloatArray:
+    """(m,) ``b A b`` of each row b of an operator B (m, n)."""
+    rows = _rows(operator)
+    if isinstance(rows, csr_array) and (np.diff(rows.indptr) == 1).all():  # as in a relative reduction
+        return np.asarray(rows.data**2 * matrix[rows.indices, rows.indices])
+    return np.asarray((np.asarray(rows @ matrix) * operator).sum(axis=1))
+
+
+def both_sides(operator: FloatArray, matrix: FloatArray) -> FloatArray:
+    """``B A B^T`` (m, m) of a symmetric matrix A (n, n)."""
+    rows = _rows(operator)
+    if isinstance(rows, csr_array) and (np.diff(rows.indptr) == 1).all():  # as in a relative reduction
+        chosen, size = rows.indices, rows.data
+        answer = matrix[np.ix_(chosen, chosen)]
+        answer *= size
+        answer *= size[:, None]
+        return np.asarray(answer)
+    return np.asarray(rows @ np.asarray(rows @ matrix).T)
+
+
 def _rows(operator: FloatArray) -> FloatArray | csr_array:
     """The operator, as a sparse matrix if it is one."""
     return csr_array(operator) if np.count_nonzero(operator) < SPARSE * operator.size else operator

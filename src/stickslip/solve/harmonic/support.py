@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.operator_products import with_springs
+from stickslip.solve.harmonic.operator_products import add_springs, both_sides
 from stickslip.structure.superelement import Superelement
 
 # A body that only friction supports (a free damper along its axis) has no unique mean position where its pairs follow a
@@ -22,6 +22,8 @@ MEAN_RESTRAINT = 1e-6
 # Reciprocal condition number below which the scaled mean system counts as singular; chosen: five digits below
 # MEAN_RESTRAINT.
 SINGULAR_MEAN = 1e-11
+# chosen: rows of a large matrix at a time, so that no other array is as large.
+ROWS = 256
 
 
 @dataclass(frozen=True)
@@ -47,17 +49,24 @@ class StaticFactor:
     @classmethod
     def attempt(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor | None:
         """As :meth:`build`, or None where the structure is singular to working accuracy."""
-        return cls.of_matrix(superelement.stiffness + with_springs(pairs.operator, springs.ravel()))
+        return cls.in_place_of(add_springs(superelement.stiffness.copy(), pairs.operator, springs.ravel()))
 
     @classmethod
     def of_matrix(cls, stiffness: FloatArray) -> StaticFactor | None:
         """The factor of a stiffness (n, n), or None if it is not positive definite to working accuracy."""
-        matrix = stiffness.copy()
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        return cls.in_place_of(stiffness.copy())
+
+    @classmethod
+    def in_place_of(cls, matrix: FloatArray) -> StaticFactor | None:
+        """As :meth:`of_matrix`; the factor takes the place of the matrix, which a large structure has no second of."""
+        if not (np.diag(matrix) > 0.0).all():
+            return None
+        scale = 1.0 / np.sqrt(np.diag(matrix))
         matrix *= scale
         matrix *= scale[:, None]
-        norm = float(np.abs(matrix).sum(axis=0).max())
-        factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
+        norm = max(float(np.abs(part).sum(axis=1).max()) for part in np.array_split(matrix, 1 + len(matrix) // ROWS))
+        # The transpose of a symmetric matrix by rows is one by columns, which the library does not copy.
+        factor, failure = scipy.linalg.lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
         if failure or scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] <= SINGULAR_MEAN:
             return None
         return cls(scale, (factor, True))
@@ -65,12 +74,41 @@ class StaticFactor:
     def solve(self, force: FloatArray) -> FloatArray:
         """Static displacement under forces (n,) or (n, k)."""
         scale = self._scale if force.ndim == 1 else self._scale[:, None]
-        return np.asarray(scale * scipy.linalg.cho_solve(self._factor, scale * force))
+        given = scale * force
+        answer = scipy.linalg.cho_solve(self._factor, given, overwrite_b=True, check_finite=False)
+        answer *= scale
+        return np.asarray(answer)
+
+    def at_pairs(self, operator: FloatArray) -> FloatArray:
+        """``B (K + B^T k B)^-1 B^T`` (m, m) of the rows B (m, n) of an operator.
+
+        The inverse takes a third of the operations of solutions for all rows (LAPACK dpotri).
+        """
+        inverse, failure = scipy.linalg.lapack.dpotri(self._factor[0], lower=1)
+        assert not failure  # the factor has no zero on its diagonal
+        inverse = inverse.T  # by rows, with the upper triangle
+        for start in range(0, len(inverse), ROWS):
+            stop = min(start + ROWS, len(inverse))
+            inverse[stop:, start:stop] = inverse[start:stop, stop:].T
+            block = inverse[start:stop, start:stop]
+            block[...] = np.triu(block) + np.triu(block, 1).T
+        inverse *= self._scale
+        inverse *= self._scale[:, None]
+        return both_sides(operator, inverse)
+
+
+@dataclass(frozen=True)
+class KnownFactors:
+    """Factors of a structure that exist already: with all springs at rest, and with those of its pairs that no friction
+    carries (None: some body would move freely without friction)."""
+
+    stuck: StaticFactor
+    without_friction: StaticFactor | None
 
 
 def only_friction_supports(superelement: Superelement, pairs: ContactPairs) -> bool:
     """Whether some body would move freely without friction, to working accuracy."""
-    return _without_friction(superelement, pairs) is None
+    return factor_without_friction(superelement, pairs) is None
 
 
 def restrained(pairs: ContactPairs) -> NDArray[np.bool_]:
@@ -78,8 +116,12 @@ def restrained(pairs: ContactPairs) -> NDArray[np.bool_]:
     return np.asarray(pairs.frictional() & ~pairs.walking())
 
 
-def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[StaticFactor, float]:
+def mean_factor(
+    superelement: Superelement, pairs: ContactPairs, known: KnownFactors | None = None
+) -> tuple[StaticFactor, float]:
     """The response to mean forces, and its restraint; springs without a mean do not act here.
+
+    ``known`` factors are not computed again.
 
     A body that only friction supports has ``MEAN_RESTRAINT`` on the mean, also with residual tractions, which vanish
     when all its pairs slip; pairs that may walk need none. Raises InputError if the structure stays singular.
@@ -89,14 +131,17 @@ def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[Static
         pairs.undetermined(),
         restrained(pairs),
     )
-    without_friction = _without_friction(superelement, pairs)
+    without_friction = factor_without_friction(superelement, pairs) if known is None else known.without_friction
     restraint = MEAN_RESTRAINT if without_friction is None and restricted.any() else 0.0
     if without_friction is not None and (undetermined == pairs.frictional()).all():
         return without_friction, restraint
+    if known is not None and restraint == 0.0 and not undetermined.any():
+        return known.stuck, restraint
     return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * restricted)), restraint
 
 
-def _without_friction(superelement: Superelement, pairs: ContactPairs) -> StaticFactor | None:
+def factor_without_friction(superelement: Superelement, pairs: ContactPairs) -> StaticFactor | None:
+    """The factor without the springs of friction, None where some body would move freely."""
     springs = pairs.resting_stiffness().reshape(-1, 3)
     return StaticFactor.attempt(superelement, pairs, springs * ~pairs.frictional())
 
