@@ -75,8 +75,8 @@ def test_a_sample_agrees_with_the_whole_curve_within_the_accuracy(slipping: Case
     assert quick.frequency_hz == pytest.approx(known.frequency_hz, rel=1e-3)
     # no point between the two curves is further away than the accuracy and the interpolation of both
     at = np.linspace(16.0, 29.0, 60)
-    curves = [np.interp(at, each.frequency_hz, each.amplitude(OUTPUT)) for each in (response, whole)]
-    np.testing.assert_allclose(*curves, atol=ACCURACY * known.amplitude)
+    ours, other = (np.interp(at, each.frequency_hz, each.amplitude(OUTPUT)) for each in (response, whole))
+    np.testing.assert_allclose(ours, other, atol=ACCURACY * known.amplitude)
 
 
 def test_a_sample_with_too_few_harmonics_is_solved_again(slipping: Case, whole: ForcedResponse) -> None:

@@ -171,7 +171,8 @@ GRADIENTS = Section(
 {% if messages %}<ul class="note">{% for message in messages %}<li>{{ message }}</li>{% endfor %}</ul>{% endif %}
 {%- for caption, headings, rows in tables %}
 {%- if not loop.first %}<details class="more"><summary>{{ caption }}</summary>{% endif %}
-{% call parts.scrolled(caption) %}<table class="keys">{% if loop.first %}<caption>{{ caption }}</caption>{% endif %}<thead><tr>
+{% call parts.scrolled(caption) %}<table class="keys">
+{%- if loop.first %}<caption>{{ caption }}</caption>{% endif %}<thead><tr>
 {%- for heading in headings %}{{ parts.head_cell(heading, loop.first) }}{% endfor -%}
 </tr></thead><tbody>
 {%- for row in rows %}<tr><th scope="row" class="word">{{ parts.key(row[0]) }}</th>

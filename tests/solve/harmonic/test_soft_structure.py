@@ -34,6 +34,9 @@ def balances_of(blade: Blade, few_modes: bool, ratio: float | None = RATIO, reta
     )
 
 
+RANGE = 30.0  # of soft modes in these tests, over the highest excitation
+
+
 def small_limits(monkeypatch: pytest.MonkeyPatch, of_first: float, large: bool = True) -> None:
     """Soft modes of small joints too, up to a multiple of the highest excitation."""
     for module in (soft_structure, harmonic_modes, reduced) if large else (soft_structure,):
@@ -43,7 +46,7 @@ def small_limits(monkeypatch: pytest.MonkeyPatch, of_first: float, large: bool =
 
 
 def soft_and_full(
-    blade: Blade, monkeypatch: pytest.MonkeyPatch, multiple: float = 30.0, retained: bool = False
+    blade: Blade, monkeypatch: pytest.MonkeyPatch, multiple: float = RANGE, retained: bool = False
 ) -> tuple[Balances, Balances]:
     full = balances_of(blade, few_modes=False, retained=retained)
     small_limits(monkeypatch, multiple)
@@ -65,7 +68,7 @@ def test_soft_modes_and_static_compliance_are_those_of_the_full_spectrum(
     stuck = soft.stuck
     assert isinstance(stuck, SoftStructure)
     assert stuck.has_same_mean == retained
-    limit = soft_structure.KEPT_RANGE * stuck.highest_omega
+    limit = RANGE * stuck.highest_omega
     count = int((full.stuck.circular_frequency <= limit).sum())
     assert 2 < count < stuck.circular_frequency.size < full.stuck.circular_frequency.size
     np.testing.assert_allclose(stuck.circular_frequency[:count], full.stuck.circular_frequency[:count], rtol=1e-9)
@@ -86,7 +89,7 @@ def test_only_the_inertia_of_far_modes_is_neglected(
     """For deviations on all rows or on few, with the mean of the harmonics or another one."""
     soft, full = soft_and_full(blade, monkeypatch, retained=retained)
     omega = soft.stuck.highest_omega
-    first_other = soft_structure.KEPT_RANGE * omega
+    first_other = RANGE * omega
     balances = [each.with_harmonics(HARMONICS) for each in (soft, full)]
     assert isinstance(balances[0].compliance, KeptCompliance)
     deviation = RNG.standard_normal((2 * HARMONICS + 1, balances[0].rows))
@@ -138,7 +141,7 @@ def test_the_structure_without_contact_has_its_soft_modes_and_its_response(
 def test_the_curve_is_that_of_the_full_spectrum(blade: Blade, monkeypatch: pytest.MonkeyPatch, large: bool) -> None:
     """With checks too: multipliers require all modes, which are then computed."""
     structure, used = replace(blade.superelement, damping=None), []
-    original = setting_up.soft_structure
+    original = soft_structure.soft_structure
 
     def noted(*args: object) -> SoftStructure | None:
         used.append(original(*args))  # type: ignore[arg-type]
