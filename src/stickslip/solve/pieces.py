@@ -6,6 +6,7 @@ folds that no step passes. The curve then continues at the next frequency at whi
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from typing import Generic
@@ -13,6 +14,7 @@ from typing import Generic
 import numpy as np
 
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.fourier import with_rows
 from stickslip.core.shown_numbers import capital
 from stickslip.solve.evidence import Evidence, Settling
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT
@@ -46,8 +48,11 @@ class Pieces(Generic[BalancePointT]):
     settling:
         finds solutions away from the curve, and counts the work, at whose limit the curve ends.
     varies:
-        whether ``part`` may begin with any number of harmonics: the curve then continues once from a motion to which a
+        whether ``part`` chooses its harmonics by an accuracy: the curve then continues once from a motion to which a
         time integration settled and that more harmonics give.
+    lends:
+        whether ``part`` has a fixed number of harmonics, but may begin with more: the curve then continues each time
+        from a motion to which a time integration settled and that only more harmonics give.
 
     Attributes
     ----------
@@ -65,9 +70,10 @@ class Pieces(Generic[BalancePointT]):
         window: tuple[float, float],
         settling: Settling,
         varies: bool = False,
+        lends: bool = False,
     ) -> None:
         self._part, self._settling, self._window = part, settling, window
-        self._varies = self._takes_settled = varies
+        self._varies, self._lends, self._takes_settled = varies, lends, varies or lends
         self._direction = math.copysign(1.0, window[1] - window[0])
         self._width = abs(window[1] - window[0])
         self._left_out = 0.0
@@ -88,7 +94,8 @@ class Pieces(Generic[BalancePointT]):
         """
         if start is not None:
             return self._follow(self._append(self._part(start, self._window[1])))
-        evidence = self._settling.evidence_from_rest(self._window[0], thorough=self._varies)
+        rest = functools.partial(self._settling.evidence_from_rest, self._window[0])
+        evidence = self._evidence(rest)
         words = self._sentences(reason, evidence)
         settled = self._settled(evidence, self._window[0])
         at_start = settled or self._settling.solution((), self._window[0], ramp=False)
@@ -100,7 +107,7 @@ class Pieces(Generic[BalancePointT]):
         exists = evidence is not None and evidence.repeats_after == 1
         found = None if exists else self._beyond(self._window[0], ())
         if found is None:
-            evidence = self._settling.evidence_from_rest(self._window[0], thorough=True)
+            evidence = rest(thorough=True)
             raise ConvergenceError(self._with_limit(self._sentences(reason, evidence)))
         point, how = found
         back = self._part(point, self._window[0])
@@ -137,7 +144,7 @@ class Pieces(Generic[BalancePointT]):
         ahead = [self._direction * each.point.trial.omega for each in self.points]
         furthest, last = int(np.argmax(ahead)), self.points[-1].point
         edge = self.points[furthest].point
-        evidence = self._settling.evidence(last, self._direction * self._width, thorough=self._varies)
+        evidence = self._evidence(functools.partial(self._settling.evidence, last, self._direction * self._width))
         why = self._sentences(branch.message, evidence)
         found = self._settled(evidence, edge.trial.omega) or self._beyond(edge.trial.omega, (last, edge))
         if found is None:
@@ -161,6 +168,13 @@ class Pieces(Generic[BalancePointT]):
         )
         self._append(back, reverse=True)
         return self._append(onward)
+
+    def _evidence(self, of_place: Callable[..., Evidence | None]) -> Evidence | None:
+        """What happens at a place: thoroughly where that may give a motion from which the curve goes on."""
+        evidence = of_place(thorough=self._varies)
+        if not self._lends or evidence is None or evidence.repeats_after != 1 or evidence.motion is not None:
+            return evidence
+        return None if self._settling.work.limit_words else of_place(thorough=True)
 
     def _evidence_at_end(self) -> Evidence | None:
         """What happens where the curve ends."""
@@ -193,12 +207,16 @@ class Pieces(Generic[BalancePointT]):
         motion = evidence.motion if evidence is not None and self._takes_settled else None
         if evidence is None or motion is None or (motion.trial.omega - edge) * self._direction < 0.0:
             return None
-        self._takes_settled = False
+        if self._lends and evidence.settled.given_by == evidence.harmonics:
+            return None  # no more harmonics help: the search beyond finds such a motion
+        self._takes_settled = self._lends
         return motion, f"by a time integration, with {evidence.settled.given_by} harmonics,"
 
     def _sentences(self, reason: str, evidence: Evidence | None) -> str:
         """Why a curve was lost, and what happens there."""
-        return f"{reason} {evidence.words(self._varies)}" if evidence else reason
+        if evidence is None:
+            return reason
+        return f"{reason} {evidence.words(self._varies or (self._lends and evidence.motion is not None))}"
 
     def _with_limit(self, words: str) -> str:
         """Sentences, and that on the limit of the work where they lack it."""
@@ -218,8 +236,9 @@ class Pieces(Generic[BalancePointT]):
 
 def _are_same(first: BalancePoint, second: BalancePoint) -> bool:
     """Whether two motions at one frequency agree."""
-    size = float(np.linalg.norm(second.measured))
-    return float(np.linalg.norm(first.measured - second.measured)) <= SAME_MOTION * size
+    rows = max(len(first.measured), len(second.measured))
+    ours, theirs = (with_rows(each.measured, rows) for each in (first, second))
+    return float(np.linalg.norm(ours - theirs)) <= SAME_MOTION * float(np.linalg.norm(theirs))
 
 
 def _hz(omega: float) -> str:

@@ -115,6 +115,7 @@ class CurveBalances(Protocol):
     def landmarks(self) -> Landmarks: ...
     def unbounded(self, window: tuple[float, float]) -> tuple[str, ...]: ...
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance: ...
+    def with_samples(self, samples: int) -> CurveBalances: ...
     @property
     def no_stability(self) -> str: ...
     @property
@@ -213,6 +214,10 @@ class Balances:
         if self._kept is None:
             return whole
         return KeptBalance(whole, KeptCompliance(self.stuck, self._kept, harmonics))
+
+    def with_samples(self, samples: int) -> Balances:
+        """The same balances with another number of samples."""
+        return self if samples == self.samples else replace(self, samples=samples)
 
     @cached_property
     def _kept(self) -> KeptModes | None:
