@@ -12,7 +12,7 @@ import stickslip as ss
 from lost_curves import resonance
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import ConvergenceError
-from stickslip.solve import forced
+from stickslip.solve import forced, lent_harmonics
 from stickslip.solve import pieces as pieces_module
 from stickslip.solve import settled_motion as settled_module
 from stickslip.solve.evidence import Evidence, Settling
@@ -175,6 +175,42 @@ def test_with_an_accuracy_a_curve_goes_on_from_the_settled_motion_that_more_harm
     printed_sentence(warning, settled.words(varies))
 
 
+@pytest.mark.parametrize(("given_by", "begins"), [(24, 150.02), (3, 150.1)])
+def test_a_curve_goes_on_with_the_harmonics_of_the_settled_motion_if_its_own_do_not_give_it(
+    given_by: int, begins: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motion = SettledMotion(24, given_by, 128, 0.01, 0.1, point(150.02, 2.0))
+    settled = Evidence(150.02, 300, 1e-6, 0.5, 1, None, 3, motion)
+    monkeypatch.setattr(Solutions, "evidence", lambda *arguments, **options: settled)
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    curve._lends = curve._takes_settled = True
+    assert curve.follow(point(100.0)).complete
+    assert hertz_of(curve)[3:] == pytest.approx([150.0, begins, 200.0])
+    (warning,) = curve.warnings
+    assert "run again" not in warning
+
+
+def test_a_curve_asks_thoroughly_only_where_a_motion_settles_that_it_does_not_have(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[bool] = []
+
+    def evidence(repeats: int | None) -> Any:
+        def answer(settling: Any, point: Any, change: float, thorough: bool = False) -> Evidence:
+            asked.append(thorough)
+            return Evidence(150.02, 300, 1e-6, 0.5, repeats)
+
+        return answer
+
+    for repeats, expected in ((1, [False, True]), (2, [False]), (None, [False])):
+        asked.clear()
+        monkeypatch.setattr(Solutions, "evidence", evidence(repeats))
+        curve = pieces(150.05, 200.0, 2.0, 0.0)
+        curve._lends = curve._takes_settled = True
+        assert curve.follow(point(100.0)).complete
+        assert asked == expected
+
+
 def test_with_an_accuracy_a_curve_begins_from_the_motion_to_which_it_settles_from_rest(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -296,6 +332,41 @@ def test_a_lost_curve_with_an_accuracy_goes_on_with_the_harmonics_of_the_settled
     whole = resonance(ss.ContinuationSettings(), 400.0, accuracy=5e-4, harmonics=None, modal_damping_ratio=0.02)
     wanted = np.interp(parted.frequency_hz, whole.frequency_hz, whole.amplitude(ROW))
     assert parted.amplitude(ROW) == pytest.approx(wanted, rel=0.01)  # linear between points
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("confirms", "returns"), [(0.05, True), (0.0, False)])
+def test_a_lost_curve_with_fixed_harmonics_has_more_until_its_own_confirm_the_motion(
+    confirms: float, returns: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pieces_module, "SAME_MOTION", 0.0)
+    monkeypatch.setattr(settled_module, "MORE_HARMONICS", (3,))
+    monkeypatch.setattr(lent_harmonics, "SAME", confirms)
+    events: list[str] = []
+    monkeypatch.setattr(lent_harmonics, "Branch", loses_once(2.0 * np.pi * 355.6, events))
+    force = {"newtons": 400.0, "modal_damping_ratio": 0.02}
+    parted = resonance(ss.ContinuationSettings(), **force)
+    monkeypatch.undo()
+    assert events == ["lost", "goes on elsewhere"]
+    assert parted.converged
+    assert parted.harmonics == 3
+    assert parted.estimated_error is None
+    numbers = parted.point_harmonics
+    assert numbers is not None
+    lost = int(np.flatnonzero(parted.part == 0)[-1])
+    assert set(numbers[: lost + 1]) == {1}
+    assert numbers[lost + 1] == 3
+    assert numbers[-1] == (1 if returns else 3)
+    alone = resonance(ss.ContinuationSettings(), **force)
+    more = resonance(ss.ContinuationSettings(), **force | {"harmonics": 3})
+    assert alone.point_harmonics is None
+    for number, whole in ((1, alone), (3, more)):
+        those = numbers == number
+        wanted = np.interp(parted.frequency_hz[those], whole.frequency_hz, whole.amplitude(ROW))
+        assert parted.amplitude(ROW)[those] == pytest.approx(wanted, rel=0.01)  # linear between points
+    there = parted.frequency_hz[numbers == 3]
+    (sentence,) = [each for each in parted.warnings if "harmonics instead of 1" in each]
+    assert f"From {there.min():.3f} to {there.max():.3f} Hz {there.size} of {numbers.size} points have 3" in sentence
 
 
 @pytest.mark.slow
