@@ -355,7 +355,7 @@ def test_a_lost_curve_with_fixed_harmonics_has_more_until_its_own_confirm_the_mo
     assert numbers is not None
     lost = int(np.flatnonzero(parted.part == 0)[-1])
     assert set(numbers[: lost + 1]) == {1}
-    assert numbers[lost + 1] == 3
+    assert set(numbers[lost + 1 :]) == ({1, 3} if returns else {3})
     assert numbers[-1] == (1 if returns else 3)
     alone = resonance(ss.ContinuationSettings(), **force)
     more = resonance(ss.ContinuationSettings(), **force | {"harmonics": 3})

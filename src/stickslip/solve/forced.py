@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,7 +29,7 @@ from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
 from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy, VaryingPoint
-from stickslip.solve.lent_harmonics import LentHarmonics, harmonics_of
+from stickslip.solve.lent_harmonics import LentHarmonics
 from stickslip.solve.output_maxima import AddedMaxima, OutputMaxima, output_rows
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -224,14 +225,13 @@ def unreported_response(
             pieces = Pieces(fixed, window_omega, settling, lends=True).follow(start, how)
             width = abs(stop_omega - start_omega)
             if lent.has_more(pieces.points):
-                pieces.points = lent.lifted(pieces.points)
-                pieces.warnings.append(lent.warning(pieces.points))
-                added = OutputMaxima(lent.newton, balances, rows, width, work, lent.begin).add(pieces)
-                numbers = np.array([harmonics_of(each.point) for each in pieces.points])
-                widest = lent.widest(pieces.points)
-                response = finished(
-                    pieces, lent.newton, widest, added, begin=lent.begin, point_harmonics=numbers
-                )  # fmt: skip
+                mixed = cast("Pieces[VaryingPoint]", pieces)
+                mixed.points = lent.lifted(pieces.points)
+                mixed.warnings.append(lent.warning(mixed.points))
+                added = OutputMaxima(lent.newton, balances, rows, width, work, lent.begin).add(mixed)
+                numbers = np.array([each.point.harmonics for each in mixed.points])
+                widest = lent.widest(mixed.points)
+                response = finished(mixed, lent.newton, widest, added, begin=lent.begin, point_harmonics=numbers)
             else:
                 added = OutputMaxima(solver, balances, rows, width, work).add(pieces)
                 response = finished(pieces, solver, curve.balance, added)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
@@ -65,7 +66,7 @@ class LentHarmonics:
         settings: ContinuationSettings,
         on_event: Callable[[BranchEvent], None],
         landmarks: LandmarkSource[BalancePoint],
-    ) -> Branch[BalancePoint] | Branch[VaryingPoint]:
+    ) -> Branch[BalancePoint]:
         """The branch from ``start`` to ``stop`` (rad/s)."""
         if harmonics_of(start) == self._own:
             plain = Branch(self._own_newton, start, stop, settings, on_event, landmarks, work=self._work)
@@ -86,13 +87,13 @@ class LentHarmonics:
             self.newton, lifted, stop, settings, listen, landmarks, revise=self._revised, work=self._work
         )  # fmt: skip
         branch.follow()
-        return branch
+        return cast("Branch[BalancePoint]", branch)  # it is only read from here on
 
     def has_more(self, points: Sequence[BranchPoint[BalancePoint]]) -> bool:
         """Whether some point has more harmonics than the curve."""
         return any(harmonics_of(each.point) != self._own for each in points)
 
-    def lifted(self, points: Sequence[BranchPoint[BalancePoint]]) -> list[BranchPoint[BalancePoint]]:
+    def lifted(self, points: Sequence[BranchPoint[BalancePoint]]) -> list[BranchPoint[VaryingPoint]]:
         """All points as those of one problem with different numbers of harmonics."""
         return [BranchPoint(self._varying.lifted(each.point), each.iterations, each.tangent) for each in points]
 
@@ -100,11 +101,11 @@ class LentHarmonics:
         """A new point, beside a known one, has its harmonics."""
         self._varying.use(harmonics_of(point))
 
-    def widest(self, points: Sequence[BranchPoint[BalancePoint]]) -> Balance:
+    def widest(self, points: Sequence[BranchPoint[VaryingPoint]]) -> Balance:
         """The balance with most harmonics of some points."""
         return self._balance_of(max(harmonics_of(each.point) for each in points))
 
-    def warning(self, points: Sequence[BranchPoint[BalancePoint]]) -> str:
+    def warning(self, points: Sequence[BranchPoint[VaryingPoint]]) -> str:
         """Where the curve has more harmonics, and why."""
         numbers = np.array([harmonics_of(each.point) for each in points])
         hertz = np.array([each.point.trial.omega for each in points]) / (2.0 * np.pi)

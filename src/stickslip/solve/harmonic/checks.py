@@ -63,11 +63,12 @@ class ResolutionCheck:
                 f"{self.sample_omega / (2 * np.pi):.2f} Hz (required: below {100 * largest_residual:.3g} %). "
                 f"Run again with samples = {2 * samples}."
             )
+        there = self.harmonics_there or harmonics
         where = f"{self.neglected_omega / (2.0 * np.pi):.2f} Hz"
         if self.neglected_error >= UNKNOWN:
             sentences.append(
                 f"The error by neglected harmonics is as large as the motion at {where}, or not known: the solution "
-                f"with more harmonics is far away. Run again with harmonics = {2 * harmonics}, and compare."
+                f"with more harmonics is far away. Run again with harmonics = {2 * there}, and compare."
             )
         elif self.accuracy is not None and self.neglected_error > self.accuracy:
             remedy = f"Run again with samples = {2 * samples}, which allow more harmonics, or with a coarser accuracy."
@@ -88,7 +89,6 @@ class ResolutionCheck:
                 if last is None
                 else f"; the highest ones of the solution have {100 * last:.2g} % of the kinetic energy"
             )
-            there = self.harmonics_there or harmonics
             more = 2 if self.neglected_error < 5.0 * LARGEST_NEGLECTED else there
             sentences.append(
                 f"Too few harmonics: those above {there} would move the curve by about "

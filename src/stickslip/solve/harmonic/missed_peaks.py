@@ -104,8 +104,9 @@ def search_missed_peaks(
             nearest = np.minimum(np.abs(omega[:-1] - target), np.abs(omega[1:] - target))
             is_long = np.abs(np.diff(omega)) > LONG * landmark.width
             for left in np.flatnonzero(crosses & is_long & (nearest > NEAR * landmark.width)):
-                begin(max(points[left : left + 2], key=lambda each: len(each.trial.amplitude)))
-                size = _size_at(newton, points[int(left)], points[int(left) + 1], target)
+                before, after = points[int(left)], points[int(left) + 1]
+                begin(max(before, after, key=lambda each: len(each.trial.amplitude)))
+                size = _size_at(newton, before, after, target)
                 solved += 1
                 beside = float(sizes[left : left + 2].max())
                 if size is None:
