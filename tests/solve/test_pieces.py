@@ -188,6 +188,11 @@ def test_a_curve_goes_on_with_the_harmonics_of_the_settled_motion_if_its_own_do_
     assert hertz_of(curve)[3:] == pytest.approx([150.0, begins, 200.0])
     (warning,) = curve.warnings
     assert "run again" not in warning
+    limited = pieces(150.05, 200.0, 2.0, 0.0)
+    limited._lends = limited._takes_settled = True
+    limited._settling.work.iterate(100)
+    assert not limited.follow(point(100.0)).complete
+    assert hertz_of(limited) == pytest.approx([100.0, 125.0, 150.0])
 
 
 def test_a_curve_asks_thoroughly_only_where_a_motion_settles_that_it_does_not_have(

@@ -8,7 +8,6 @@ motion with as many harmonics as give it, and returns to its own number at the f
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -32,8 +31,6 @@ FIRST_WAIT = 4
 # chosen: the own number confirms a motion if it changes the relative displacements by no more than this fraction, and
 # is tried where its neglected harmonics are no larger.
 SAME = 0.05
-# chosen: iterations of Newton's method with more harmonics; stiff contact that opens requires more than other joints.
-ITERATIONS = 20
 
 
 class LentHarmonics:
@@ -53,8 +50,7 @@ class LentHarmonics:
         self._own_newton, self._own, self._work = newton, curve.balance.harmonics, curve.work
         self._balances = balances
         self._varying = VaryingCurve(self._balance_of, self._own, curve.work)
-        longer = replace(newton.settings, max_iterations=max(ITERATIONS, newton.settings.max_iterations))
-        self.newton = Newton[VaryingPoint](self._varying, longer, newton.on_iteration)
+        self.newton = Newton[VaryingPoint](self._varying, newton.settings, newton.on_iteration)
         self._remembered = RememberedHarmonics(self._varying.use)
         self._begun: BalancePoint | None = None
         self._wait, self._since = FIRST_WAIT, 0
@@ -83,8 +79,9 @@ class LentHarmonics:
             on_event(event)
 
         lifted = self._varying.lifted(start)
+        cost = (2 * harmonics_of(start) + 1) / (2 * self._own + 1)
         branch = Branch(
-            self.newton, lifted, stop, settings, listen, landmarks, revise=self._revised, work=self._work
+            self.newton, lifted, stop, settings, listen, landmarks, revise=self._revised, work=self._work, cost=cost
         )  # fmt: skip
         branch.follow()
         return cast("Branch[BalancePoint]", branch)  # it is only read from here on

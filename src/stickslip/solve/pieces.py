@@ -146,7 +146,13 @@ class Pieces(Generic[BalancePointT]):
         edge = self.points[furthest].point
         evidence = self._evidence(functools.partial(self._settling.evidence, last, self._direction * self._width))
         why = self._sentences(branch.message, evidence)
-        found = self._settled(evidence, edge.trial.omega) or self._beyond(edge.trial.omega, (last, edge))
+        ways = [
+            lambda: self._settled(evidence, edge.trial.omega),
+            lambda: self._beyond(edge.trial.omega, (last, edge)),
+        ]
+        if self._lends and evidence is not None and len(last.trial.amplitude) // 2 > evidence.harmonics:
+            ways.reverse()  # it was lost with more harmonics: those of the curve first
+        found = next((found for found in (way() for way in ways) if found is not None), None)
         if found is None:
             self.message = self._with_limit(self._sentences(branch.message, self._evidence_at_end()))
             return None
@@ -207,8 +213,8 @@ class Pieces(Generic[BalancePointT]):
         motion = evidence.motion if evidence is not None and self._takes_settled else None
         if evidence is None or motion is None or (motion.trial.omega - edge) * self._direction < 0.0:
             return None
-        if self._lends and evidence.settled.given_by == evidence.harmonics:
-            return None  # no more harmonics help: the search beyond finds such a motion
+        if self._lends and (self._settling.work.limit_words or evidence.settled.given_by == evidence.harmonics):
+            return None  # no more work is allowed, or no more harmonics help: the search beyond finds such a motion
         self._takes_settled = self._lends
         return motion, f"by a time integration, with {evidence.settled.given_by} harmonics,"
 
@@ -216,7 +222,8 @@ class Pieces(Generic[BalancePointT]):
         """Why a curve was lost, and what happens there."""
         if evidence is None:
             return reason
-        return f"{reason} {evidence.words(self._varies or (self._lends and evidence.motion is not None))}"
+        goes_on = self._lends and evidence.motion is not None and not self._settling.work.limit_words
+        return f"{reason} {evidence.words(self._varies or goes_on)}"
 
     def _with_limit(self, words: str) -> str:
         """Sentences, and that on the limit of the work where they lack it."""
