@@ -28,7 +28,9 @@ SETTLES = Evidence(1.0, 20, 1e-6, 0.02, 1)
 
 def point(hertz: float, motion: float = 1.0) -> Any:
     return SimpleNamespace(
-        trial=SimpleNamespace(omega=2.0 * np.pi * hertz), parameters=[2.0 * np.pi * hertz], measured=np.array([motion])
+        trial=SimpleNamespace(omega=2.0 * np.pi * hertz, amplitude=np.zeros((6, 1))),
+        parameters=[2.0 * np.pi * hertz],
+        measured=np.array([motion]),
     )
 
 
@@ -190,9 +192,22 @@ def test_a_curve_goes_on_with_the_harmonics_of_the_settled_motion_if_its_own_do_
     assert "run again" not in warning
     limited = pieces(150.05, 200.0, 2.0, 0.0)
     limited._lends = limited._takes_settled = True
-    limited._settling.work.iterate(100)
+    limited._settling.work.iterate(150)
     assert not limited.follow(point(100.0)).complete
     assert hertz_of(limited) == pytest.approx([100.0, 125.0, 150.0])
+
+
+def test_a_piece_with_more_harmonics_that_is_lost_goes_on_with_those_of_the_curve(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Though a time integration settles there on a motion that they do not give."""
+    motion = SettledMotion(24, 24, 128, 0.01, 0.1, point(150.02, 2.0))
+    settled = Evidence(150.02, 300, 1e-6, 0.5, 1, None, 2, motion)  # the points of this file have 3
+    monkeypatch.setattr(Solutions, "evidence", lambda *arguments, **options: settled)
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    curve._lends = curve._takes_settled = True
+    assert curve.follow(point(100.0)).complete
+    assert hertz_of(curve)[3:] == pytest.approx([150.0, 150.1, 200.0])
 
 
 def test_a_curve_asks_thoroughly_only_where_a_motion_settles_that_it_does_not_have(

@@ -96,8 +96,8 @@ class Pieces(Generic[BalancePointT]):
             return self._follow(self._append(self._part(start, self._window[1])))
         rest = functools.partial(self._settling.evidence_from_rest, self._window[0])
         evidence = self._evidence(rest)
-        words = self._sentences(reason, evidence)
         settled = self._settled(evidence, self._window[0])
+        words = self._sentences(reason, evidence, goes_on=settled is not None)
         at_start = settled or self._settling.solution((), self._window[0], ramp=False)
         if at_start is not None:
             if settled:
@@ -145,14 +145,12 @@ class Pieces(Generic[BalancePointT]):
         furthest, last = int(np.argmax(ahead)), self.points[-1].point
         edge = self.points[furthest].point
         evidence = self._evidence(functools.partial(self._settling.evidence, last, self._direction * self._width))
-        why = self._sentences(branch.message, evidence)
-        ways = [
-            lambda: self._settled(evidence, edge.trial.omega),
-            lambda: self._beyond(edge.trial.omega, (last, edge)),
-        ]
+        place, settled, beyond = edge.trial.omega, None, None
         if self._lends and evidence is not None and len(last.trial.amplitude) // 2 > evidence.harmonics:
-            ways.reverse()  # it was lost with more harmonics: those of the curve first
-        found = next((found for found in (way() for way in ways) if found is not None), None)
+            beyond = self._beyond(place, (last, edge))  # lost with more harmonics: first those of the curve
+        if beyond is None:
+            settled = self._settled(evidence, place)
+        found = beyond or settled or self._beyond(place, (last, edge))
         if found is None:
             self.message = self._with_limit(self._sentences(branch.message, self._evidence_at_end()))
             return None
@@ -163,13 +161,14 @@ class Pieces(Generic[BalancePointT]):
             del self.points[furthest + 1 :]
             self._append(back, reverse=True, first=1)
             return self._append(onward)
+        why = self._sentences(branch.message, evidence, goes_on=settled is not None)
         gap = self._gap(edge.trial.omega, back)
-        place = f"has no points from {_hz(min(gap))} to {_hz(max(gap))} Hz, so a peak there is not known"
+        words = f"has no points from {_hz(min(gap))} to {_hz(max(gap))} Hz, so a peak there is not known"
         if gap[0] == gap[1]:
-            place = "jumps there to another motion"
+            words = "jumps there to another motion"
         self.breaks.append(len(self.points) - 1)
         self.warnings.append(
-            f"The curve is interrupted at {_hz(edge.trial.omega)} Hz and {place}; it continues from a motion that was "
+            f"The curve is interrupted at {_hz(edge.trial.omega)} Hz and {words}; it continues from a motion that was "
             f"found {how} at {_hz(point.trial.omega)} Hz. The reason: {why}"
         )
         self._append(back, reverse=True)
@@ -180,7 +179,7 @@ class Pieces(Generic[BalancePointT]):
         evidence = of_place(thorough=self._varies)
         if not self._lends or evidence is None or evidence.repeats_after != 1 or evidence.motion is not None:
             return evidence
-        return None if self._settling.work.limit_words else of_place(thorough=True)
+        return evidence if self._settling.work.limit_words else of_place(thorough=True)
 
     def _evidence_at_end(self) -> Evidence | None:
         """What happens where the curve ends."""
@@ -213,16 +212,19 @@ class Pieces(Generic[BalancePointT]):
         motion = evidence.motion if evidence is not None and self._takes_settled else None
         if evidence is None or motion is None or (motion.trial.omega - edge) * self._direction < 0.0:
             return None
-        if self._lends and (self._settling.work.limit_words or evidence.settled.given_by == evidence.harmonics):
-            return None  # no more work is allowed, or no more harmonics help: the search beyond finds such a motion
+        if self._lends:
+            if evidence.settled.given_by == evidence.harmonics:
+                return None  # no more harmonics help: the search beyond finds such a motion
+            self._settling.work.extend()
+            if self._settling.work.limit_words:
+                return None
         self._takes_settled = self._lends
         return motion, f"by a time integration, with {evidence.settled.given_by} harmonics,"
 
-    def _sentences(self, reason: str, evidence: Evidence | None) -> str:
-        """Why a curve was lost, and what happens there."""
+    def _sentences(self, reason: str, evidence: Evidence | None, goes_on: bool = False) -> str:
+        """Why a curve was lost, and what happens there; ``goes_on`` from there with more harmonics."""
         if evidence is None:
             return reason
-        goes_on = self._lends and evidence.motion is not None and not self._settling.work.limit_words
         return f"{reason} {evidence.words(self._varies or goes_on)}"
 
     def _with_limit(self, words: str) -> str:

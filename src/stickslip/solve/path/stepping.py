@@ -150,11 +150,11 @@ class Effort:
         advice = "Start from the other end (swap start and stop), lower the force, or use fewer harmonics."
         if self.recent > STALL_ITERATIONS:
             return (
-                f"{self.recent} iterations of Newton's method covered only {100 * self._length:.1g} % of the plot. "
+                f"{self.recent:.0f} iterations of Newton's method covered only {100 * self._length:.1g} % of the plot. "
                 f"{advice}"
             )
         if self.total > self._allowed:
-            return f"{self.total} iterations of Newton's method were not enough. {advice}"
+            return f"{self.total:.0f} iterations of Newton's method were not enough. {advice}"
         return self._work.limit_words
 
 
