@@ -145,12 +145,14 @@ class Pieces(Generic[BalancePointT]):
         furthest, last = int(np.argmax(ahead)), self.points[-1].point
         edge = self.points[furthest].point
         evidence = self._evidence(functools.partial(self._settling.evidence, last, self._direction * self._width))
-        place, settled, beyond = edge.trial.omega, None, None
+        place, near, settled = edge.trial.omega, (last, edge), None
         if self._lends and evidence is not None and len(last.trial.amplitude) // 2 > evidence.harmonics:
-            beyond = self._beyond(place, (last, edge))  # lost with more harmonics: first those of the curve
-        if beyond is None:
+            found = self._beyond(place, near)  # lost with more harmonics: first those of the curve
+            settled = None if found else self._settled(evidence, place)
+        else:
             settled = self._settled(evidence, place)
-        found = beyond or settled or self._beyond(place, (last, edge))
+            found = None if settled else self._beyond(place, near)
+        found = found or settled
         if found is None:
             self.message = self._with_limit(self._sentences(branch.message, self._evidence_at_end()))
             return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-
 # chosen: the limit of the work of a curve that goes on with more harmonics, over the usual one. stiff 12 of the torture
 # set has spent half of the usual one on a tangle of few harmonics before.
 EXTENSION = 1.5
@@ -14,8 +13,8 @@ class Work:
     """Counts work in iterations of Newton's method, the same on each machine, up to a limit.
 
     ``coefficients`` is the number of Fourier coefficients of an unknown with which an iteration counts as one; ``most``
-    is the limit, infinite for work that has other limits, which :meth:`extend` raises once. ``limit_words`` is a sentence with numbers from the limit on,
-    "" before it.
+    is the limit, infinite for work that has other limits, and raised once by :meth:`extend`. ``limit_words`` is a
+    sentence with numbers from the limit on, "" before it.
     """
 
     def __init__(self, coefficients: int = 1, most: float = math.inf) -> None:
