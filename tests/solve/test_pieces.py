@@ -210,6 +210,28 @@ def test_a_piece_with_more_harmonics_that_is_lost_goes_on_with_those_of_the_curv
     assert hertz_of(curve)[3:] == pytest.approx([150.0, 150.1, 200.0])
 
 
+def test_the_same_motion_with_more_harmonics_is_the_same_piece(monkeypatch: pytest.MonkeyPatch) -> None:
+    more = point(150.02)
+    more.measured = np.array([1.0, 0.0, 0.0])
+    settled = Evidence(150.02, 300, 1e-6, 0.5, 1, None, 3, SettledMotion(24, 24, 128, 0.01, 0.1, more))
+    monkeypatch.setattr(Solutions, "evidence", lambda *arguments, **options: settled)
+    curve = pieces(150.05, 200.0, 1.0, 0.0)
+    curve._lends = curve._takes_settled = True
+    known = curve._part
+
+    def part(start: Any, stop: float) -> Any:
+        followed = cast(Any, known(start, stop))
+        if start is more:
+            followed.points[0].point = more
+        return followed
+
+    curve._part = part
+    assert curve.follow(point(100.0)).complete
+    assert curve.breaks == []
+    (crossing,) = curve.crossings
+    assert crossing.motion == pytest.approx(0.0, abs=1e-12)
+
+
 def test_a_curve_asks_thoroughly_only_where_a_motion_settles_that_it_does_not_have(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
