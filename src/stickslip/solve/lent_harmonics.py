@@ -113,7 +113,8 @@ class LentHarmonics:
             f"From {hertz[there].min():.3f} to {hertz[there].max():.3f} Hz {there.sum()} of {len(points)} points have "
             f"{number} harmonics instead of {self._own}: where the part begins, a time integration settles on a "
             f"periodic motion that the equations of {self._own} harmonics do not have. Points "
-            f"beside this range may lack harmonics too: compare with a run with harmonics = {most}, or with an accuracy."
+            f"beside this range may lack harmonics too: compare with harmonics = {most}, or with an "
+            "accuracy."
         )
 
     def _balance_of(self, harmonics: int) -> Balance:
