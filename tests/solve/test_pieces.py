@@ -186,6 +186,8 @@ def test_a_curve_goes_on_with_the_harmonics_of_the_settled_motion_if_its_own_do_
     monkeypatch.setattr(Solutions, "evidence", lambda *arguments, **options: settled)
     curve = pieces(150.05, 200.0, 2.0, 0.0)
     curve._lends = curve._takes_settled = True
+    if given_by == 24:
+        monkeypatch.setattr(curve, "_beyond", lambda *arguments: None)  # its own harmonics go on nowhere
     assert curve.follow(point(100.0)).complete
     assert hertz_of(curve)[3:] == pytest.approx([150.0, begins, 200.0])
     (warning,) = curve.warnings
@@ -197,12 +199,12 @@ def test_a_curve_goes_on_with_the_harmonics_of_the_settled_motion_if_its_own_do_
     assert hertz_of(limited) == pytest.approx([100.0, 125.0, 150.0])
 
 
-def test_a_piece_with_more_harmonics_that_is_lost_goes_on_with_those_of_the_curve(
+def test_a_curve_goes_on_with_its_own_harmonics_where_they_have_a_motion_beyond(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Though a time integration settles there on a motion that they do not give."""
     motion = SettledMotion(24, 24, 128, 0.01, 0.1, point(150.02, 2.0))
-    settled = Evidence(150.02, 300, 1e-6, 0.5, 1, None, 2, motion)  # the points of this file have 3
+    settled = Evidence(150.02, 300, 1e-6, 0.5, 1, None, 3, motion)
     monkeypatch.setattr(Solutions, "evidence", lambda *arguments, **options: settled)
     curve = pieces(150.05, 200.0, 2.0, 0.0)
     curve._lends = curve._takes_settled = True
@@ -217,6 +219,7 @@ def test_the_same_motion_with_more_harmonics_is_the_same_piece(monkeypatch: pyte
     monkeypatch.setattr(Solutions, "evidence", lambda *arguments, **options: settled)
     curve = pieces(150.05, 200.0, 1.0, 0.0)
     curve._lends = curve._takes_settled = True
+    monkeypatch.setattr(curve, "_beyond", lambda *arguments: None)
     known = curve._part
 
     def part(start: Any, stop: float) -> Any:
@@ -232,25 +235,23 @@ def test_the_same_motion_with_more_harmonics_is_the_same_piece(monkeypatch: pyte
     assert crossing.motion == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_curve_asks_thoroughly_only_where_a_motion_settles_that_it_does_not_have(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(("beyond", "expected"), [(True, [False]), (False, [False, True])])
+def test_a_curve_asks_thoroughly_only_where_its_own_harmonics_go_on_nowhere(
+    beyond: bool, expected: list[bool], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[bool] = []
 
-    def evidence(repeats: int | None) -> Any:
-        def answer(settling: Any, point: Any, change: float, thorough: bool = False) -> Evidence:
-            asked.append(thorough)
-            return Evidence(150.02, 300, 1e-6, 0.5, repeats)
+    def evidence(settling: Any, point: Any, change: float, thorough: bool = False) -> Evidence:
+        asked.append(thorough)
+        return Evidence(150.02, 300, 1e-6, 0.5, None)
 
-        return answer
-
-    for repeats, expected in ((1, [False, True]), (2, [False]), (None, [False])):
-        asked.clear()
-        monkeypatch.setattr(Solutions, "evidence", evidence(repeats))
-        curve = pieces(150.05, 200.0, 2.0, 0.0)
-        curve._lends = curve._takes_settled = True
-        assert curve.follow(point(100.0)).complete
-        assert asked == expected
+    monkeypatch.setattr(Solutions, "evidence", evidence)
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    curve._lends = curve._takes_settled = True
+    if not beyond:
+        monkeypatch.setattr(curve, "_beyond", lambda *arguments: None)
+    assert curve.follow(point(100.0)).complete == beyond
+    assert asked == expected
 
 
 def test_with_an_accuracy_a_curve_begins_from_the_motion_to_which_it_settles_from_rest(

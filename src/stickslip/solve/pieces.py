@@ -95,7 +95,7 @@ class Pieces(Generic[BalancePointT]):
         if start is not None:
             return self._follow(self._append(self._part(start, self._window[1])))
         rest = functools.partial(self._settling.evidence_from_rest, self._window[0])
-        evidence = self._evidence(rest)
+        evidence = self._thorough(rest(thorough=self._varies), rest)
         settled = self._settled(evidence, self._window[0])
         words = self._sentences(reason, evidence, goes_on=settled is not None)
         at_start = settled or self._settling.solution((), self._window[0], ramp=False)
@@ -144,17 +144,22 @@ class Pieces(Generic[BalancePointT]):
         ahead = [self._direction * each.point.trial.omega for each in self.points]
         furthest, last = int(np.argmax(ahead)), self.points[-1].point
         edge = self.points[furthest].point
-        evidence = self._evidence(functools.partial(self._settling.evidence, last, self._direction * self._width))
-        place, near, settled = edge.trial.omega, (last, edge), None
-        if self._lends and evidence is not None and len(last.trial.amplitude) // 2 > evidence.harmonics:
-            found = self._beyond(place, near)  # lost with more harmonics: first those of the curve
-            settled = None if found else self._settled(evidence, place)
+        place, near = edge.trial.omega, (last, edge)
+        if self._lends:
+            # More harmonics only where those of the curve go on nowhere: a part with more costs more.
+            evidence = self._settling.evidence(last, self._direction * self._width)
+            found, settled = self._beyond(place, near), None
+            if found is None:
+                evidence = self._evidence_at_end()
+                settled = self._settled(evidence, place)
         else:
+            evidence = self._settling.evidence(last, self._direction * self._width, thorough=self._varies)
             settled = self._settled(evidence, place)
             found = None if settled else self._beyond(place, near)
         found = found or settled
         if found is None:
-            self.message = self._with_limit(self._sentences(branch.message, self._evidence_at_end()))
+            at_end = evidence if self._lends else self._evidence_at_end()
+            self.message = self._with_limit(self._sentences(branch.message, at_end))
             return None
         point, how = found
         onward, back = self._part(point, self._window[1]), self._part(point, edge.trial.omega)
@@ -176,9 +181,8 @@ class Pieces(Generic[BalancePointT]):
         self._append(back, reverse=True)
         return self._append(onward)
 
-    def _evidence(self, of_place: Callable[..., Evidence | None]) -> Evidence | None:
-        """What happens at a place: thoroughly where that may give a motion from which the curve goes on."""
-        evidence = of_place(thorough=self._varies)
+    def _thorough(self, evidence: Evidence | None, of_place: Callable[..., Evidence | None]) -> Evidence | None:
+        """The evidence, repeated thoroughly where that may give a motion from which the curve goes on."""
         if not self._lends or evidence is None or evidence.repeats_after != 1 or evidence.motion is not None:
             return evidence
         return evidence if self._settling.work.limit_words else of_place(thorough=True)
