@@ -31,8 +31,8 @@ def lost_resonance() -> Settling:
     found: list[Settling] = []
 
     class Known(Settling):
-        def __init__(self, *arguments: Any) -> None:
-            super().__init__(*arguments)
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
             found.append(self)
 
     with pytest.MonkeyPatch.context() as patch:

@@ -90,6 +90,8 @@ def test_an_accuracy_is_on_the_page_with_the_error_of_the_peak(
     words = f"accuracy 0.5 % (up to {response.harmonics} harmonics, estimated error of the peak 0.12 %)"
     assert words in page(accurate, study)
     assert "estimated error" not in text
+    parted = dataclasses.replace(response, point_harmonics=np.where(errors > 0.002, response.harmonics, 1))
+    assert f"1 to {response.harmonics} harmonics" in page(parted, study)
 
 
 @pytest.mark.slow

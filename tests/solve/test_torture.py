@@ -49,7 +49,7 @@ SLOW: dict[tuple[str, int], Outcome] = {
     ("multi", 3): "complete",
     ("multi", 4): "complete",
     ("wide", 6): "complete",
-    ("stiff", 0): "ends",
+    ("stiff", 0): "complete",
     ("high", 9): "complete",
     ("narrow", 0): "complete",
     ("narrow", 4): "complete",

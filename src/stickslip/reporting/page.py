@@ -77,9 +77,11 @@ def page(response: ForcedResponse, study: StudyRecord, changed_inputs: Sequence[
 
 
 def _resolution(view: View) -> str:
-    """The harmonics and, with an accuracy, the estimated error of the peak."""
+    """The harmonics, also of a part with more of them, and, with an accuracy, the estimated error of the peak."""
     response = view.response
     if response.estimated_error is None:
+        if response.point_harmonics is not None:
+            return f"{response.point_harmonics.min()} to {response.harmonics} harmonics"
         return "1 harmonic" if response.harmonics == 1 else f"{response.harmonics} harmonics"
     wanted, reached = (
         number(100.0 * float(value), 2)

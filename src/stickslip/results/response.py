@@ -88,7 +88,8 @@ class ForcedResponse(ResponseData):
     point_harmonics, estimated_error:
         (n_points,) with an accuracy: harmonics of each point, whose coefficients are zero in the others, and its
         estimated error by neglected harmonics: the distance to the curve with more of them, over the motion of the
-        structure (mass norm). None with a fixed number of harmonics.
+        structure (mass norm). None with a fixed number of harmonics, except that ``point_harmonics`` is given where a
+        piece of the curve has more of them (a warning says where and why).
     stable:
         (n_points,) whether small disturbances of the motion decay under the constant force; None if the stability was
         not computed, and ``stability_message`` then gives the reason.

@@ -68,8 +68,9 @@ def _curve(response: ForcedResponse, study: StudyRecord) -> Table:
     ]
     if response.doubtful is not None:
         columns.append(column_of("doubtful stability", "", response.doubtful.astype(int)))
-    if response.estimated_error is not None and response.point_harmonics is not None:
+    if response.point_harmonics is not None:
         columns.append(column_of("harmonics", "", response.point_harmonics))
+    if response.estimated_error is not None:
         columns.append(column_of("estimated error", "1", response.estimated_error))
     return Table("curve", "points of the curve, in its order; amplitudes 0-to-peak, energies per cycle", tuple(columns))
 

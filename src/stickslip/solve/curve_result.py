@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError
@@ -85,13 +86,15 @@ def response_of(
     breaks: Sequence[int] = (),
     warnings: Sequence[str] = (),
     checked_at_peak: bool = False,
+    point_harmonics: NDArray[np.int64] | None = None,
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
     ``peaks`` is the search for peaks that the branch missed, ``added`` that for maxima of outputs; ``no_stability``
     says why its points get no multipliers; ``accuracy`` are harmonics and errors of its points, if they differ:
-    ``balance`` then has the most of them; ``breaks`` are the points after which the branch is interrupted, ``warnings``
-    sentences on them. With ``checked_at_peak`` samples and harmonics are checked at the peak, not over the whole curve.
+    ``balance`` then has the most of them, also with ``point_harmonics`` of a curve without an accuracy; ``breaks`` are
+    the points after which the branch is interrupted, ``warnings`` sentences on them. With ``checked_at_peak`` samples
+    and harmonics are checked at the peak, not over the whole curve.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -114,8 +117,18 @@ def response_of(
         converged, trials, measures = False, trials[:end], measures.first(end)
     doubled = 2 * balances.samples
     fine = balances.with_harmonics(more_harmonics(harmonics, doubled, balances.damped_harmonics), doubled)
-    places = points_at_peak(trials) if checked_at_peak else None
-    check = check_resolution(balance, fine, trials, accuracy, at=places)
+
+    def with_more(number: int) -> tuple[Balance, Balance]:
+        more = more_harmonics(number, doubled, balances.damped_harmonics)
+        return balance_of(number), balances.with_harmonics(more, doubled)
+
+    check = check_resolution(
+        balance, fine, trials, accuracy,
+        at=points_at_peak(trials) if checked_at_peak else None,
+        with_more=None if point_harmonics is None else with_more,
+    )  # fmt: skip
+    if accuracy is not None:
+        point_harmonics = accuracy.harmonics
     report.stage("stability of the points")
     reason = no_stability or reason_without(balance.pairs) or balances.no_stability
     breaks = [each for each in breaks if each < len(trials) - 1]
@@ -148,7 +161,7 @@ def response_of(
         settings=_settings(window, balances, balance, newton, check, accuracy)
         | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()})
         | ({} if added is None else {"maxima_between_points": added.words()}),
-        point_harmonics=None if accuracy is None else accuracy.harmonics[: len(trials)],
+        point_harmonics=None if point_harmonics is None else point_harmonics[: len(trials)],
         estimated_error=None if accuracy is None else accuracy.errors[: len(trials)],
         provenance={} if accuracy is None else {"accuracy": accuracy.words()},
         load_factor=np.array([trial.load for trial in trials]),

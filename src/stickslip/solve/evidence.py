@@ -17,7 +17,7 @@ from stickslip.solve.harmonic.start import amplitude_ramp, at_frequency
 from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.setting_up import CurveBalances
-from stickslip.solve.settled_motion import NOT_SOUGHT, SAME, SettledMotion, settled_motion
+from stickslip.solve.settled_motion import NOT_SOUGHT, SAME, SettledMotion, enough_samples, settled_motion
 from stickslip.solve.transient.integrate import (
     TransientResponse,
     check_integration,
@@ -73,8 +73,8 @@ class Evidence:
 
     @property
     def motion(self) -> BalancePoint | None:
-        """The settled motion as a solution of the harmonic balance, if any number of harmonics with the samples of the
-        curve gives it."""
+        """The settled motion as a solution of the harmonic balance, if any number of harmonics gives it with samples
+        that the curve can take."""
         return self.settled.motion
 
     def words(self, varies: bool = False) -> str:
@@ -114,7 +114,10 @@ class Evidence:
 
 
 class Settling:
-    """Solutions at a frequency by several ways, until the limit of the ``work`` on the curve; ``newton`` solves it."""
+    """Solutions at a frequency by several ways, until the limit of the ``work`` on the curve; ``newton`` solves it.
+
+    With ``any_samples`` the curve can take motions with other samples than its own.
+    """
 
     def __init__(
         self,
@@ -122,9 +125,11 @@ class Settling:
         curve: FrequencyCurve,
         balances: CurveBalances,
         report: Callable[[str], None],
+        any_samples: bool = False,
     ) -> None:
         self._newton, self._curve, self._balances, self._report = newton, curve, balances, report
         self._harmonics = curve.balance.harmonics
+        self._any_samples = any_samples
         self.work = curve.work
 
     @cached_property
@@ -226,6 +231,7 @@ class Settling:
             lambda harmonics: in_time.unknowns(motion, harmonics),
             _most_harmonics(motion),
             thorough,
+            self._any_samples,
         )
 
     def _repeats_after(self, motion: TransientResponse) -> int | None:
@@ -254,7 +260,10 @@ class Settling:
 
     def _state(self, trial: Trial) -> dict[str, FloatArray]:
         """Time 0 of a solution."""
-        balance = self._balances.with_harmonics(len(trial.relative) // 2)
+        harmonics, samples = len(trial.relative) // 2, self._balances.samples
+        if self._any_samples and harmonics > self._harmonics:
+            samples = enough_samples(harmonics, samples)
+        balance = self._balances.with_harmonics(harmonics, samples)
         motion, walk = self._balances.motion([trial], balance.displacement([trial]))
         way = np.zeros(motion.shape[2]) if walk is None else walk[0]
         return start_of_motion(balance.pairs, motion[0].T, way, trial.omega / (2.0 * np.pi), balance.samples)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
@@ -28,6 +29,7 @@ from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
 from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy, VaryingPoint
+from stickslip.solve.lent_harmonics import LentHarmonics
 from stickslip.solve.output_maxima import AddedMaxima, OutputMaxima, output_rows
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -203,31 +205,44 @@ def unreported_response(
             balance: Balance,
             added: AddedMaxima,
             reached: CurveAccuracy | None = None,
+            begin: Callable[[BalancePointT], None] = lambda point: None,
+            point_harmonics: NDArray[np.int64] | None = None,
         ) -> ForcedResponse:
             peaks = None
             if checks:
                 report.stage("search for missed peaks")
-                peaks = search_missed_peaks(solver, [each.point for each in curve.points], resonances.seen)
+                peaks = search_missed_peaks(solver, [each.point for each in curve.points], resonances.seen, begin)
             return response_of(
-                curve, balances, balance, window, newton, how, report, peaks=peaks, added=added, accuracy=reached,
+                curve, balances.with_samples(balance.samples), balance, window, newton, how, report,
+                peaks=peaks, added=added, accuracy=reached,
                 no_stability="" if checks else NO_CHECKS,
-                breaks=curve.breaks, warnings=curve.warnings, checked_at_peak=few_digits,
+                breaks=curve.breaks, warnings=curve.warnings, point_harmonics=point_harmonics,
+                checked_at_peak=few_digits,
             )  # fmt: skip
 
-        settling = Settling(solver, curve, balances, report.stage)
+        settling = Settling(solver, curve, balances, report.stage, any_samples=accuracy is None)
         window_omega = (start_omega, stop_omega)
         if accuracy is None:
+            lent = LentHarmonics(solver, curve, balances)
 
             def fixed(point: BalancePoint, stop: float) -> Branch[BalancePoint]:
                 known = curve.stuck if few_digits else None
-                branch = Branch(solver, point, stop, settings, listen, resonances, work=work, known=known)
-                branch.follow()
-                return branch
+                return lent.follow(point, stop, settings, listen, resonances, known)
 
-            pieces = Pieces(fixed, window_omega, settling).follow(start, how)
-            added = OutputMaxima(solver, balances, rows, abs(stop_omega - start_omega), work).add(pieces)
+            pieces = Pieces(fixed, window_omega, settling, lends=True).follow(start, how)
+            width = abs(stop_omega - start_omega)
+            if lent.has_more(pieces.points):
+                mixed = cast("Pieces[VaryingPoint]", pieces)
+                mixed.points = lent.lifted(pieces.points)
+                mixed.warnings.append(lent.warning(mixed.points))
+                added = OutputMaxima(lent.newton, balances, rows, width, work, lent.begin).add(mixed)
+                numbers = np.array([each.point.harmonics for each in mixed.points])
+                widest = lent.widest(mixed.points)
+                response = finished(mixed, lent.newton, widest, added, begin=lent.begin, point_harmonics=numbers)
+            else:
+                added = OutputMaxima(solver, balances, rows, width, work).add(pieces)
+                response = finished(pieces, solver, curve.balance, added)
             points: Sequence[BalancePoint] = [each.point for each in pieces.points]
-            response = finished(pieces, solver, curve.balance, added)
         else:
             varying = HarmonicsByAccuracy(
                 balances.with_harmonics,

@@ -6,6 +6,7 @@ folds that no step passes. The curve then continues at the next frequency at whi
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from typing import Generic
@@ -13,6 +14,7 @@ from typing import Generic
 import numpy as np
 
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.fourier import with_rows
 from stickslip.core.shown_numbers import capital
 from stickslip.solve.evidence import Evidence, Settling
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT
@@ -46,8 +48,11 @@ class Pieces(Generic[BalancePointT]):
     settling:
         finds solutions away from the curve, and counts the work, at whose limit the curve ends.
     varies:
-        whether ``part`` may begin with any number of harmonics: the curve then continues once from a motion to which a
+        whether ``part`` chooses its harmonics by an accuracy: the curve then continues once from a motion to which a
         time integration settled and that more harmonics give.
+    lends:
+        whether ``part`` has a fixed number of harmonics, but may begin with more: the curve then continues each time
+        from a motion to which a time integration settled and that only more harmonics give.
 
     Attributes
     ----------
@@ -65,9 +70,10 @@ class Pieces(Generic[BalancePointT]):
         window: tuple[float, float],
         settling: Settling,
         varies: bool = False,
+        lends: bool = False,
     ) -> None:
         self._part, self._settling, self._window = part, settling, window
-        self._varies = self._takes_settled = varies
+        self._varies, self._lends, self._takes_settled = varies, lends, varies or lends
         self._direction = math.copysign(1.0, window[1] - window[0])
         self._width = abs(window[1] - window[0])
         self._left_out = 0.0
@@ -88,9 +94,10 @@ class Pieces(Generic[BalancePointT]):
         """
         if start is not None:
             return self._follow(self._append(self._part(start, self._window[1])))
-        evidence = self._settling.evidence_from_rest(self._window[0], thorough=self._varies)
-        words = self._sentences(reason, evidence)
+        rest = functools.partial(self._settling.evidence_from_rest, self._window[0])
+        evidence = self._thorough(rest(thorough=self._varies), rest)
         settled = self._settled(evidence, self._window[0])
+        words = self._sentences(reason, evidence, goes_on=settled is not None)
         at_start = settled or self._settling.solution((), self._window[0], ramp=False)
         if at_start is not None:
             if settled:
@@ -100,7 +107,7 @@ class Pieces(Generic[BalancePointT]):
         exists = evidence is not None and evidence.repeats_after == 1
         found = None if exists else self._beyond(self._window[0], ())
         if found is None:
-            evidence = self._settling.evidence_from_rest(self._window[0], thorough=True)
+            evidence = rest(thorough=True)
             raise ConvergenceError(self._with_limit(self._sentences(reason, evidence)))
         point, how = found
         back = self._part(point, self._window[0])
@@ -137,11 +144,22 @@ class Pieces(Generic[BalancePointT]):
         ahead = [self._direction * each.point.trial.omega for each in self.points]
         furthest, last = int(np.argmax(ahead)), self.points[-1].point
         edge = self.points[furthest].point
-        evidence = self._settling.evidence(last, self._direction * self._width, thorough=self._varies)
-        why = self._sentences(branch.message, evidence)
-        found = self._settled(evidence, edge.trial.omega) or self._beyond(edge.trial.omega, (last, edge))
+        place, near = edge.trial.omega, (last, edge)
+        if self._lends:
+            # More harmonics only where those of the curve go on nowhere: a part with more costs more.
+            evidence = self._settling.evidence(last, self._direction * self._width)
+            found, settled = self._beyond(place, near), None
+            if found is None:
+                evidence = self._evidence_at_end()
+                settled = self._settled(evidence, place)
+        else:
+            evidence = self._settling.evidence(last, self._direction * self._width, thorough=self._varies)
+            settled = self._settled(evidence, place)
+            found = None if settled else self._beyond(place, near)
+        found = found or settled
         if found is None:
-            self.message = self._with_limit(self._sentences(branch.message, self._evidence_at_end()))
+            at_end = evidence if self._lends else self._evidence_at_end()
+            self.message = self._with_limit(self._sentences(branch.message, at_end))
             return None
         point, how = found
         onward, back = self._part(point, self._window[1]), self._part(point, edge.trial.omega)
@@ -150,17 +168,24 @@ class Pieces(Generic[BalancePointT]):
             del self.points[furthest + 1 :]
             self._append(back, reverse=True, first=1)
             return self._append(onward)
+        why = self._sentences(branch.message, evidence, goes_on=settled is not None)
         gap = self._gap(edge.trial.omega, back)
-        place = f"has no points from {_hz(min(gap))} to {_hz(max(gap))} Hz, so a peak there is not known"
+        words = f"has no points from {_hz(min(gap))} to {_hz(max(gap))} Hz, so a peak there is not known"
         if gap[0] == gap[1]:
-            place = "jumps there to another motion"
+            words = "jumps there to another motion"
         self.breaks.append(len(self.points) - 1)
         self.warnings.append(
-            f"The curve is interrupted at {_hz(edge.trial.omega)} Hz and {place}; it continues from a motion that was "
+            f"The curve is interrupted at {_hz(edge.trial.omega)} Hz and {words}; it continues from a motion that was "
             f"found {how} at {_hz(point.trial.omega)} Hz. The reason: {why}"
         )
         self._append(back, reverse=True)
         return self._append(onward)
+
+    def _thorough(self, evidence: Evidence | None, of_place: Callable[..., Evidence | None]) -> Evidence | None:
+        """The evidence, repeated thoroughly where that may give a motion from which the curve goes on."""
+        if not self._lends or evidence is None or evidence.repeats_after != 1 or evidence.motion is not None:
+            return evidence
+        return evidence if self._settling.work.limit_words else of_place(thorough=True)
 
     def _evidence_at_end(self) -> Evidence | None:
         """What happens where the curve ends."""
@@ -193,12 +218,20 @@ class Pieces(Generic[BalancePointT]):
         motion = evidence.motion if evidence is not None and self._takes_settled else None
         if evidence is None or motion is None or (motion.trial.omega - edge) * self._direction < 0.0:
             return None
-        self._takes_settled = False
+        if self._lends:
+            if evidence.settled.given_by == evidence.harmonics:
+                return None  # no more harmonics help: the search beyond finds such a motion
+            self._settling.work.extend()
+            if self._settling.work.limit_words:
+                return None
+        self._takes_settled = self._lends
         return motion, f"by a time integration, with {evidence.settled.given_by} harmonics,"
 
-    def _sentences(self, reason: str, evidence: Evidence | None) -> str:
-        """Why a curve was lost, and what happens there."""
-        return f"{reason} {evidence.words(self._varies)}" if evidence else reason
+    def _sentences(self, reason: str, evidence: Evidence | None, goes_on: bool = False) -> str:
+        """Why a curve was lost, and what happens there; ``goes_on`` from there with more harmonics."""
+        if evidence is None:
+            return reason
+        return f"{reason} {evidence.words(self._varies or goes_on)}"
 
     def _with_limit(self, words: str) -> str:
         """Sentences, and that on the limit of the work where they lack it."""
@@ -218,8 +251,9 @@ class Pieces(Generic[BalancePointT]):
 
 def _are_same(first: BalancePoint, second: BalancePoint) -> bool:
     """Whether two motions at one frequency agree."""
-    size = float(np.linalg.norm(second.measured))
-    return float(np.linalg.norm(first.measured - second.measured)) <= SAME_MOTION * size
+    rows = max(len(first.measured), len(second.measured))
+    ours, theirs = (with_rows(each.measured, rows) for each in (first, second))
+    return float(np.linalg.norm(ours - theirs)) <= SAME_MOTION * float(np.linalg.norm(theirs))
 
 
 def _hz(omega: float) -> str:

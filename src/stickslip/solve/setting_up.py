@@ -115,6 +115,7 @@ class CurveBalances(Protocol):
     def landmarks(self) -> Landmarks: ...
     def unbounded(self, window: tuple[float, float]) -> tuple[str, ...]: ...
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance: ...
+    def with_samples(self, samples: int) -> CurveBalances: ...
     @property
     def no_stability(self) -> str: ...
     @property
@@ -215,6 +216,10 @@ class Balances:
         stuck = self.stuck
         soft = stuck.soft_compliance(harmonics) if isinstance(stuck, SoftStructure) else None
         return Balance(soft or stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
+
+    def with_samples(self, samples: int) -> Balances:
+        """The same balances with another number of samples."""
+        return self if samples == self.samples else replace(self, samples=samples)
 
     def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> CurveStability:
         """See :func:`curve_stability`; the verdicts are confirmed with more harmonics."""

@@ -35,7 +35,7 @@ class SettledMotion:
     neglected:
         fraction of the vibration of the pairs in harmonics above those of the curve.
     motion:
-        the solution, if it has the samples of the curve.
+        the solution, if the curve can take its samples.
     """
 
     tried: int | None = None
@@ -57,11 +57,13 @@ def settled_motion(
     unknowns: Callable[[int], FloatArray],
     most: int,
     thorough: bool,
+    any_samples: bool = False,
 ) -> SettledMotion:
     """Look for a motion at ``omega`` rad/s that has the coefficients ``unknowns(H)`` with any H up to ``most``.
 
     ``harmonics`` are those of the curve, of which ``newton`` has the settings. With samples of its own a ``thorough``
-    search also tries numbers that the samples of the curve do not resolve.
+    search also tries numbers that the samples of the curve do not resolve; the curve can take their solutions only with
+    ``any_samples``.
     """
     tried, whole = None, unknowns(most)
     neglected = _norm(whole[2 * harmonics + 1 :]) / max(_norm(whole[1:]), 1e-300)
@@ -74,9 +76,14 @@ def settled_motion(
         point = at_frequency(solver, curve, guess, omega).point
         away = _norm(point.unknowns[1:] - guess[1:]) / max(_norm(guess[1:]), 1e-300)
         if point.error <= usual.tolerance and away <= SAME:
-            usable = point if samples == balances.samples else None
+            usable = point if any_samples or samples == balances.samples else None
             return SettledMotion(tried, number, samples, away, neglected, usable)
     return SettledMotion(tried, neglected=neglected)
+
+
+def enough_samples(harmonics: int, samples: int) -> int:
+    """The samples of a curve if they resolve a number of harmonics, or those of a solution with so many."""
+    return samples if SAMPLES_PER_HARMONIC * harmonics <= samples else SAMPLES_OF_MANY * harmonics
 
 
 def _numbers(balances: CurveBalances, harmonics: int, most: int, thorough: bool) -> Iterator[tuple[int, int, bool]]:
@@ -85,8 +92,8 @@ def _numbers(balances: CurveBalances, harmonics: int, most: int, thorough: bool)
         number, samples = multiple * harmonics, balances.samples
         rows = 3 * balances.pairs.n_pairs * (2 * number + 1)
         is_longer = thorough and rows <= MANY_ROWS
-        if is_longer and SAMPLES_PER_HARMONIC * number > samples:
-            samples = SAMPLES_OF_MANY * number
+        if is_longer:
+            samples = enough_samples(number, samples)
         if SAMPLES_PER_HARMONIC * number > samples or rows > MOST_ROWS or number > most:
             return
         if is_longer or multiple in MORE_HARMONICS:

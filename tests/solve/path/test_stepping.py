@@ -78,3 +78,11 @@ def test_all_iterations_have_a_limit_too() -> None:
     assert effort.stall == ""
     effort.spend(1)
     printed_sentence(effort.stall, f"{10 * ITERATIONS_PER_POINT + 1} iterations")
+
+
+def test_an_iteration_with_more_harmonics_counts_as_several() -> None:
+    effort = Effort(ContinuationSettings(), cost=7.0)
+    effort.spend(STALL_ITERATIONS // 7)
+    assert effort.stall == ""
+    effort.spend(1)
+    assert effort.stall

@@ -65,3 +65,15 @@ def test_an_iteration_counts_by_its_coefficients_and_a_time_integration_beside_i
     words = work.limit_words
     work.integrate(1.0)
     assert work.limit_words == words  # those of the moment at which it was reached
+
+
+def test_a_limit_rises_once() -> None:
+    work = Work(most=100.0)
+    work.iterate(100)
+    assert work.limit_words
+    work.extend()
+    assert not work.limit_words
+    work.iterate(50)
+    assert "150 iterations" in work.limit_words
+    work.extend()
+    assert "150 iterations" in work.limit_words

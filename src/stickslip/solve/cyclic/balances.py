@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar, NoReturn
 
@@ -170,6 +170,10 @@ class SectorBalances:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
         return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
+
+    def with_samples(self, samples: int) -> SectorBalances:
+        """The same balances with another number of samples."""
+        return replace(self, samples=samples)
 
     def stability(self, trials: Sequence[Trial], pairs: ContactPairs) -> NoReturn:
         """A sector has none, see :attr:`no_stability`: raises InputError."""

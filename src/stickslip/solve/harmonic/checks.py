@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +39,8 @@ class ResolutionCheck:
         wanted accuracy, where it determines the harmonics.
     limited:
         whether the limit of the work, not that of the samples, stopped the harmonics at some point.
+    harmonics_there:
+        harmonics of the point with the largest neglected error, if they may differ from point to point.
     """
 
     sample_residual: float
@@ -48,6 +50,7 @@ class ResolutionCheck:
     last_harmonic_fraction: float | None
     accuracy: float | None = None
     limited: bool = False
+    harmonics_there: int | None = None
 
     def warnings(self, harmonics: int, samples: int) -> tuple[str, ...]:
         """A warning for each number above its limit."""
@@ -60,11 +63,12 @@ class ResolutionCheck:
                 f"{self.sample_omega / (2 * np.pi):.2f} Hz (required: below {100 * largest_residual:.3g} %). "
                 f"Run again with samples = {2 * samples}."
             )
+        there = self.harmonics_there or harmonics
         where = f"{self.neglected_omega / (2.0 * np.pi):.2f} Hz"
         if self.neglected_error >= UNKNOWN:
             sentences.append(
                 f"The error by neglected harmonics is as large as the motion at {where}, or not known: the solution "
-                f"with more harmonics is far away. Run again with harmonics = {2 * harmonics}, and compare."
+                f"with more harmonics is far away. Run again with harmonics = {2 * there}, and compare."
             )
         elif self.accuracy is not None and self.neglected_error > self.accuracy:
             remedy = f"Run again with samples = {2 * samples}, which allow more harmonics, or with a coarser accuracy."
@@ -85,13 +89,13 @@ class ResolutionCheck:
                 if last is None
                 else f"; the highest ones of the solution have {100 * last:.2g} % of the kinetic energy"
             )
-            more = 2 if self.neglected_error < 5.0 * LARGEST_NEGLECTED else harmonics
+            more = 2 if self.neglected_error < 5.0 * LARGEST_NEGLECTED else there
             sentences.append(
-                f"Too few harmonics: those above {harmonics} would move the curve by about "
+                f"Too few harmonics: those above {there} would move the curve by about "
                 f"{100 * self.neglected_error:.3g} % of its motion at {where} "
                 f"(required: below "
                 f"{100 * LARGEST_NEGLECTED:.0f} %){energy_words}. Run again with harmonics = "
-                f"{harmonics + max(2, more)}, or with an accuracy."
+                f"{there + max(2, more)}, or with an accuracy."
             )
         return tuple(sentences)
 
@@ -125,13 +129,15 @@ def check_resolution(
     reached: CurveAccuracy | None = None,
     limit: int = 24,
     at: Sequence[int] | None = None,
+    with_more: Callable[[int], tuple[Balance, Balance]] | None = None,
 ) -> ResolutionCheck:
     """Check up to ``limit`` points spread over the curve, always including that of largest relative displacement.
 
     With ``at`` only these points are checked.
 
     ``balance`` is that of the trials; ``fine`` the same with more harmonics and twice the samples. With a wanted
-    accuracy, where trials have different numbers of harmonics, the points have ``reached`` estimated errors.
+    accuracy, where trials have different numbers of harmonics, the points have ``reached`` estimated errors. Without
+    one ``with_more`` gives both balances for a number of harmonics, if trials have different numbers.
     """
     size = [float(np.linalg.norm(trial.relative[1:])) for trial in trials]
     highest = int(np.argmax(size))
@@ -139,7 +145,8 @@ def check_resolution(
     chosen = sorted({*spread.tolist(), highest} if at is None else set(at))
     samples = np.array([sample_residual(fine, trials[i]) for i in chosen])
     if reached is None:
-        errors = _estimated_errors(balance, fine, trials, _estimated(trials, highest) if at is None else chosen)
+        places = _estimated(trials, highest) if at is None else chosen
+        errors = _estimated_errors(with_more or (lambda number: (balance, fine)), trials, places)
     else:
         errors = dict(enumerate(reached.errors[: len(trials)].tolist()))
     worst = max(errors, key=lambda i: errors[i])
@@ -155,6 +162,7 @@ def check_resolution(
         max(valid) if valid else None,
         None if reached is None else reached.accuracy,
         reached is not None and reached.limited,
+        None if with_more is None else len(trials[worst].amplitude) // 2,
     )
 
 
@@ -164,14 +172,9 @@ def points_at_peak(trials: Sequence[Trial]) -> list[int]:
     return sorted({int(np.argmax([float(np.linalg.norm(each)) for each in motion])) for motion in motions})
 
 
-def _moving(trials: Sequence[Trial]) -> list[int]:
-    """The points where pairs move."""
-    return [i for i, trial in enumerate(trials) if trial.contact.moves.any()]
-
-
 def _estimated(trials: Sequence[Trial], highest: int) -> list[int]:
     """The highest point, and points spread over those where pairs move."""
-    moving = _moving(trials)
+    moving = [i for i, trial in enumerate(trials) if trial.contact.moves.any()]
     if not moving:
         return [highest]
     spread = np.linspace(0, len(moving) - 1, min(ESTIMATES, len(moving))).round().astype(int)
@@ -179,18 +182,20 @@ def _estimated(trials: Sequence[Trial], highest: int) -> list[int]:
 
 
 def _estimated_errors(
-    balance: Balance, fine: Balance, trials: Sequence[Trial], places: Sequence[int]
+    with_more: Callable[[int], tuple[Balance, Balance]], trials: Sequence[Trial], places: Sequence[int]
 ) -> dict[int, float]:
     """Estimated error by neglected harmonics at some points; 0 where no pair moves."""
-    more = fine
-    if balance.samples > 2 * fine.harmonics:
-        more = Balance(fine.compliance, fine.pairs, fine.force, balance.samples)
     errors, last, end = {}, LastFactor(), len(trials) - 1
     for i in places:
         errors[i] = 0.0
-        if trials[i].contact.moves.any():
-            along = chord_of(trials[max(i - 1, 0)], trials[min(i + 1, end)])
-            errors[i] = neglected(trials[i], balance, more, along, last).error
+        if not trials[i].contact.moves.any():
+            continue
+        own, fine = with_more(len(trials[i].amplitude) // 2)
+        more = fine
+        if own.samples > 2 * fine.harmonics:
+            more = Balance(fine.compliance, fine.pairs, fine.force, own.samples)
+        along = chord_of(trials[max(i - 1, 0)], trials[min(i + 1, end)])
+        errors[i] = neglected(trials[i], own, more, along, last).error
     return errors
 
 

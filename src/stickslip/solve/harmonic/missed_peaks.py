@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,11 +82,16 @@ class PeakCheck:
 
 
 def search_missed_peaks(
-    newton: Newton[BalancePointT], points: Sequence[BalancePointT], landmarks: Sequence[Landmark]
+    newton: Newton[BalancePointT],
+    points: Sequence[BalancePointT],
+    landmarks: Sequence[Landmark],
+    begin: Callable[[BalancePointT], None] = lambda point: None,
 ) -> PeakCheck:
     """Solve at and beside each natural frequency (rad/s) in the range where a curve has no point.
 
     Each time the curve passes such a place the solution starts from the interpolated motion of the points beside it.
+    Where points have different numbers of harmonics, ``begin`` sets those of a point: a place has the larger number of
+    both points.
     """
     omega = np.array([point.trial.omega for point in points])
     sizes = np.array([np.linalg.norm(point.measured) for point in points])
@@ -99,7 +104,9 @@ def search_missed_peaks(
             nearest = np.minimum(np.abs(omega[:-1] - target), np.abs(omega[1:] - target))
             is_long = np.abs(np.diff(omega)) > LONG * landmark.width
             for left in np.flatnonzero(crosses & is_long & (nearest > NEAR * landmark.width)):
-                size = _size_at(newton, points[int(left)], points[int(left) + 1], target)
+                before, after = points[int(left)], points[int(left) + 1]
+                begin(max(before, after, key=lambda each: len(each.trial.amplitude)))
+                size = _size_at(newton, before, after, target)
                 solved += 1
                 beside = float(sizes[left : left + 2].max())
                 if size is None:

@@ -147,6 +147,29 @@ class VaryingCurve:
         return self.with_harmonics(self.harmonics).named(parameter)
 
 
+class RememberedHarmonics:
+    """A branch that returns to one of its points continues with the harmonics of this point.
+
+    ``use`` sets the number of the points that follow.
+    """
+
+    def __init__(self, use: Callable[[int], None]) -> None:
+        self._use = use
+        self._accepted: list[int] = []
+
+    def forget(self) -> None:
+        """A new branch begins."""
+        self._accepted.clear()
+
+    def listen(self, event: BranchEvent) -> None:
+        """Hear an event of the branch."""
+        if isinstance(event, Accepted):
+            self._accepted.append(event.point.harmonics)
+        elif isinstance(event, Retreat):
+            del self._accepted[event.count :]
+            self._use(self._accepted[-1])
+
+
 class HarmonicsByAccuracy:
     """Chooses the harmonics of the points of a curve, so that their estimated error is below ``accuracy``.
 
@@ -181,7 +204,7 @@ class HarmonicsByAccuracy:
         first = max(least, LEAST_HARMONICS)
         most = samples // SAMPLES_PER_HARMONIC
         self._ladder = sorted({first, *(each for each in LADDER if first < each <= most)})
-        self._accepted: list[int] = []
+        self._remembered = RememberedHarmonics(self._use)
         self._skip = 0  # points that have no estimate at first
         self._limited = False  # whether the limit of the work, and not that of the samples, stopped at some point
         self.curve = VaryingCurve(balance_of, first, work)
@@ -201,13 +224,13 @@ class HarmonicsByAccuracy:
     ) -> Branch[VaryingPoint]:
         """The branch from ``start`` to ``stop`` (rad/s), with estimated errors of all points."""
         lifted = self.curve.lifted(start)
-        self._accepted.clear()
+        self._remembered.forget()
         self._use(lifted.harmonics)
         at_one_frequency = Tangent(np.zeros_like(lifted.unknowns), np.zeros_like(lifted.measured), np.ones(1))
         first = self.revised(lifted, at_one_frequency)
 
         def listen(event: BranchEvent) -> None:
-            self._remember(event)
+            self._remembered.listen(event)
             on_event(event)
 
         work = self.curve.work
@@ -230,14 +253,6 @@ class HarmonicsByAccuracy:
         errors = [np.inf if each.neglected is None else each.neglected for each in points]
         harmonics = np.array([each.harmonics for each in points])
         return CurveAccuracy(self._accuracy, harmonics, np.array(errors), errors[_highest(points)], self._limited)
-
-    def _remember(self, event: BranchEvent) -> None:
-        """A branch that returns to one of its points continues with the harmonics of this point."""
-        if isinstance(event, Accepted):
-            self._accepted.append(event.point.harmonics)
-        elif isinstance(event, Retreat):
-            del self._accepted[event.count :]
-            self._use(self._accepted[-1])
 
     def revised(self, point: VaryingPoint, along: Tangent) -> Revision[VaryingPoint]:
         """The point with its estimated error and with as many harmonics as it requires; ``along`` is the direction of

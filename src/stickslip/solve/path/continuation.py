@@ -57,8 +57,9 @@ class Branch(Generic[PointT]):
     branch ends at the stop, ``lost`` if it ends because no step succeeds; ``message`` describes its end. ``retreats``
     and ``corners`` are the parameters of those events, ``crossings`` the places where the branch was lost and continues
     close beyond. ``revise`` may solve each new point again, with other equations, before the branch continues.
-    The branch also ends at the limit of the ``work`` on all branches that share it. Where the equations are linear,
-    ``known`` gives its points without iteration.
+    The branch also ends at the limit of the ``work`` on all branches that share it, and where an effort does not pay,
+    of which one of its iterations has a ``cost`` of so many usual ones. Where the equations are linear, ``known`` gives
+    its points without iteration.
 
     With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it
     is complete where it leaves the range, or where it comes back to its start in the same direction; ``closed`` is then
@@ -77,6 +78,7 @@ class Branch(Generic[PointT]):
         revise: Callable[[PointT, Tangent], Revision[PointT]] | None = None,
         work: Work | None = None,
         known: Known[PointT] | None = None,
+        cost: float = 1.0,
     ) -> None:
         self._problem = newton.problem
         self._start = start
@@ -92,7 +94,7 @@ class Branch(Generic[PointT]):
         self._width = abs(stop - self._origin) if within is None else within[1] - within[0]
         self._visited: Visited[PointT] = Visited()
         self._pace = Pace(settings.largest_step)
-        self._effort = Effort(settings, work)
+        self._effort = Effort(settings, work, cost)
         self._corrector = Corrector(newton, self._width, self._effort, known)
         self._retreats = Retreats(self._corrector, self._visited, settings, self._pace)
         self.points: list[BranchPoint[PointT]] = []

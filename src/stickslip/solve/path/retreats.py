@@ -9,6 +9,7 @@ from typing import Generic
 
 import numpy as np
 
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
 from stickslip.solve.path.corrector import SMALLEST_MOTION, Corrector, parameter_of
@@ -151,13 +152,15 @@ class Crossing:
 
 
 def crossing_of(part: Sequence[PointT], beyond: PointT) -> Crossing:
-    """The crossing from the first point of a lost ``part`` of a branch to a solution."""
+    """The crossing from the first point of a lost ``part`` of a branch to a solution, which may have more
+    coefficients."""
     edge = part[0]
+    rows = max(len(edge.measured), len(beyond.measured))
     size = max(float(np.linalg.norm(edge.measured)), SMALLEST_MOTION)
     return Crossing(
         parameter_of(edge),
         parameter_of(beyond),
-        float(np.linalg.norm(beyond.measured - edge.measured)) / size,
+        float(np.linalg.norm(with_rows(beyond.measured, rows) - with_rows(edge.measured, rows))) / size,
         parameter_of(part[-1]) if len(part) > 1 else None,
         max((float(np.linalg.norm(each.measured)) for each in part[1:]), default=0.0) / size,
     )

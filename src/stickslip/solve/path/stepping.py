@@ -118,19 +118,21 @@ class Pace:
 class Effort:
     """The iterations of Newton's method along a branch, failed attempts included, and whether they still pay.
 
-    ``work`` is that of the whole curve of which the branch is a part.
+    ``work`` is that of the whole curve of which the branch is a part. An iteration of the branch takes as long as
+    ``cost`` usual ones.
     """
 
-    def __init__(self, settings: ContinuationSettings, work: Work | None = None) -> None:
+    def __init__(self, settings: ContinuationSettings, work: Work | None = None, cost: float = 1.0) -> None:
+        self._cost = cost
         self._allowed = ITERATIONS_PER_POINT * settings.max_points
         self._work = work or Work()
         self._length = 0.0  # covered since the last count began
-        self.recent = self.total = 0
+        self.recent = self.total = 0.0
 
     def spend(self, iterations: int) -> None:
         """Count the iterations of an attempt."""
-        self.recent += iterations
-        self.total += iterations
+        self.recent += self._cost * iterations
+        self.total += self._cost * iterations
 
     def cover(self, length: float) -> None:
         """Count an accepted step; every ``STALL_LENGTH`` the count of recent iterations begins again."""
@@ -140,7 +142,7 @@ class Effort:
 
     def renew(self) -> None:
         """Begin the count of recent iterations again."""
-        self._length, self.recent = 0.0, 0
+        self._length, self.recent = 0.0, 0.0
 
     @property
     def stall(self) -> str:
@@ -148,11 +150,11 @@ class Effort:
         advice = "Start from the other end (swap start and stop), lower the force, or use fewer harmonics."
         if self.recent > STALL_ITERATIONS:
             return (
-                f"{self.recent} iterations of Newton's method covered only {100 * self._length:.1g} % of the plot. "
+                f"{self.recent:.0f} iterations of Newton's method covered only {100 * self._length:.1g} % of the plot. "
                 f"{advice}"
             )
         if self.total > self._allowed:
-            return f"{self.total} iterations of Newton's method were not enough. {advice}"
+            return f"{self.total:.0f} iterations of Newton's method were not enough. {advice}"
         return self._work.limit_words
 
 
