@@ -65,7 +65,7 @@ class LentHarmonics:
         landmarks: LandmarkSource[BalancePoint],
         known: Known[BalancePoint] | None = None,
     ) -> Branch[BalancePoint]:
-        """The branch from ``start`` to ``stop`` (rad/s); ``known`` as :class:`Branch` has it, where it has its own number."""
+        """The branch from ``start`` to ``stop`` (rad/s); with its own number, ``known`` as in :class:`Branch`."""
         if harmonics_of(start) == self._own:
             plain = Branch(self._own_newton, start, stop, settings, on_event, landmarks, work=self._work, known=known)
             plain.follow()
