@@ -95,10 +95,15 @@ class Pieces(Generic[BalancePointT]):
         if start is not None:
             return self._follow(self._append(self._part(start, self._window[1])))
         rest = functools.partial(self._settling.evidence_from_rest, self._window[0])
-        evidence = self._thorough(rest(thorough=self._varies), rest)
-        settled = self._settled(evidence, self._window[0])
+        evidence, settled = rest(thorough=self._varies), None
+        at_start = self._settling.solution((), self._window[0], ramp=False) if self._lends else None
+        if at_start is None:
+            evidence = self._thorough(evidence, rest)
+            settled = self._settled(evidence, self._window[0])
+            at_start = settled
+        if at_start is None and not self._lends:
+            at_start = self._settling.solution((), self._window[0], ramp=False)
         words = self._sentences(reason, evidence, goes_on=settled is not None)
-        at_start = settled or self._settling.solution((), self._window[0], ramp=False)
         if at_start is not None:
             if settled:
                 self.warnings.append(f"{capital(words)} The curve begins from this motion.")
