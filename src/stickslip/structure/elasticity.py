@@ -11,13 +11,13 @@ import scipy.linalg
 import scipy.sparse
 from numpy.typing import ArrayLike
 
+from stickslip.core.block_lanczos import lowest_modes
 from stickslip.core.errors import InputError
 from stickslip.core.validation import (
     FloatArray,
     argument_error,
     require_choice,
 )
-from stickslip.structure.block_lanczos import lowest_modes
 from stickslip.structure.constraints import Constraints
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.incompatible_brick import incompatible_stiffness
@@ -313,7 +313,7 @@ def natural_frequencies(
     shift is small and negative (1e-8 of the mean ratio of the diagonals), which also suits free structures: their
     rigid-body modes are at 0 Hz. ``factor`` is that of ``stiffness - shift * mass`` if it already exists; one of a real
     matrix that solves a block of columns in little more time than one is used ``by_blocks``, see
-    :mod:`stickslip.structure.block_lanczos`. The largest
+    :mod:`stickslip.core.block_lanczos`. The largest
     component of each mode is positive, the first one of those that are equal within 1e-6: symmetric structures have
     pairs of them with opposite signs. Matrices may be complex and Hermitian; the modes are complex then.
 

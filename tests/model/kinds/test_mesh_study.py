@@ -16,6 +16,7 @@ from stickslip.case.case import Case
 from stickslip.case.load import load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import ImportFileError, InputError, StudyFileError
+from stickslip.core.shown_numbers import typeset
 from stickslip.formats.meshes.read import read_model
 from stickslip.model.model import build_model, kind_of, load_joint, set_up
 from stickslip.results.measures import energy_imbalance
@@ -66,7 +67,7 @@ def test_run_writes_report_results_and_shapes(solved: tuple[Path, str]) -> None:
 def test_wrong_units_are_warned_of_wherever_one_looks(solved: tuple[Path, str]) -> None:
     folder, output = solved
     assert HEAVY in " ".join(output.split())
-    assert HEAVY in html.unescape((folder / "report.html").read_text(encoding="utf-8"))
+    assert typeset(HEAVY) in html.unescape((folder / "report.html").read_text(encoding="utf-8"))
     result = CliRunner().invoke(app, ["check", str(folder.parent / "study.toml")])
     assert result.exit_code == 0, result.output
     assert HEAVY in " ".join(result.output.split())

@@ -27,6 +27,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.block_lanczos import NO_DIRECTION, Operator, TooManyModes, lowest_modes
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import ExcitationForce
@@ -54,7 +55,6 @@ from stickslip.solve.harmonic.support import (
     mean_factor,
     require_support_at_rest,
 )
-from stickslip.structure.block_lanczos import NO_DIRECTION, Operator, TooManyModes, lowest_modes
 from stickslip.structure.superelement import Superelement
 
 # chosen: modes of the structure without contact up to this multiple of the highest excitation; the force has its exact

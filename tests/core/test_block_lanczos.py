@@ -7,9 +7,9 @@ import pytest
 import scipy.linalg
 
 from sentences import rejects
+from stickslip.core.block_lanczos import TooManyModes, lowest_modes
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.structure.block_lanczos import TooManyModes, lowest_modes
 
 
 class Pencil:
