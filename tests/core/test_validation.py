@@ -17,6 +17,7 @@ from stickslip.core.validation import (
     real_number,
     require_allowed,
     require_choice,
+    symmetric_matrix,
     whole_number,
 )
 from stickslip.model.kinds.two_blade_geometry import BladePairElements
@@ -100,3 +101,10 @@ def test_a_number_alone_must_be_finite_too() -> None:
 def test_a_single_number_that_is_not_finite_is_rejected_as_an_entry_of_an_array_is(value: float) -> None:
     with rejects(InputError, "height"):
         finite_array("height", value)
+
+
+def test_a_symmetric_matrix_does_not_follow_later_changes_of_its_array() -> None:
+    given = np.array([[2.0, 1.0], [1.0, 3.0]])
+    kept = symmetric_matrix("stiffness", given)
+    given[0, 0] = 9.0
+    assert kept.tolist() == [[2.0, 1.0], [1.0, 3.0]]

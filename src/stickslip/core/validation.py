@@ -98,10 +98,7 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
 
 
 def symmetric_matrix(name: str, value: Any, tolerance: float = 1e-8) -> FloatArray:
-    """Return ``value`` as a dense, square, symmetric float matrix (n, n); raises InputError otherwise.
-
-    A float matrix that is symmetric to the last bit is returned itself, not a copy.
-    """
+    """Return ``value`` as a dense, square, symmetric float matrix (n, n) of its own; raises InputError otherwise."""
     return _with_symmetry(name, value, tolerance, 1.0)
 
 
@@ -130,8 +127,9 @@ def _with_symmetry(name: str, value: Any, tolerance: float, sign: float) -> Floa
             f"differ by {asymmetry / largest:.1e} of the largest entry (allowed: {tolerance:.0e}). "
             f"If the difference is round-off, pass 0.5 * ({name} {operation} {name}.T).",
         )
-    if asymmetry == 0.0:
-        return matrix
+    if asymmetry == 0.0:  # a caller may change an array of its own afterwards
+        shared = not scipy.sparse.issparse(value) and np.may_share_memory(matrix, np.asarray(value))
+        return matrix.copy() if shared else matrix
     answer = np.empty(matrix.shape)
     for (part, mirrored), (target, _) in zip(_bands(matrix), _bands(answer), strict=True):
         target[...] = 0.5 * (part + sign * mirrored)
