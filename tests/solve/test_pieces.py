@@ -385,6 +385,8 @@ def test_a_lost_curve_with_fixed_harmonics_has_more_until_its_own_confirm_the_mo
     monkeypatch.setattr(pieces_module, "SAME_MOTION", 0.0)
     monkeypatch.setattr(settled_module, "MORE_HARMONICS", (3,))
     monkeypatch.setattr(lent_harmonics, "SAME", confirms)
+    # The harmonics of the curve go on nowhere.
+    monkeypatch.setattr(pieces_module.Pieces, "_beyond", lambda *arguments: None)
     events: list[str] = []
     monkeypatch.setattr(lent_harmonics, "Branch", loses_once(2.0 * np.pi * 355.6, events))
     force = {"newtons": 400.0, "modal_damping_ratio": 0.02}
