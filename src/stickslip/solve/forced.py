@@ -229,7 +229,7 @@ def unreported_response(
                 known = curve.stuck if few_digits else None
                 return lent.follow(point, stop, settings, listen, resonances, known)
 
-            pieces = Pieces(fixed, window_omega, settling, lends=True).follow(start, how)
+            pieces = Pieces(fixed, window_omega, settling).follow(start, how)
             width = abs(stop_omega - start_omega)
             if lent.has_more(pieces.points):
                 mixed = cast("Pieces[VaryingPoint]", pieces)

@@ -73,13 +73,7 @@ class LentHarmonics:
         if self._begun is not None and start is not self._begun:
             self._wait *= 2
         self._begun, self._since = start, 0
-        self._remembered.forget()
-        self._varying.use(harmonics_of(start))
-
-        def listen(event: BranchEvent) -> None:
-            self._remembered.listen(event)
-            on_event(event)
-
+        listen = self._remembered.begin(harmonics_of(start), on_event)
         lifted = self._varying.lifted(start)
         cost = (2 * harmonics_of(start) + 1) / (2 * self._own + 1)
         branch = Branch(

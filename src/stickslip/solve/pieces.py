@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Sequence
-from typing import Generic
+from typing import Generic, TypeAlias
 
 import numpy as np
 
@@ -34,6 +34,8 @@ LEAST_RAMP = 0.016
 LARGEST_GAP = 0.01
 # chosen: pieces whose motions at one frequency differ by no more than this fraction are one.
 SAME_MOTION = 1e-3
+# A motion and how it was found.
+Found: TypeAlias = tuple[BalancePoint, str]
 
 
 class Pieces(Generic[BalancePointT]):
@@ -48,11 +50,9 @@ class Pieces(Generic[BalancePointT]):
     settling:
         finds solutions away from the curve, and counts the work, at whose limit the curve ends.
     varies:
-        whether ``part`` chooses its harmonics by an accuracy: the curve then continues once from a motion to which a
-        time integration settled and that more harmonics give.
-    lends:
-        whether ``part`` has a fixed number of harmonics, but may begin with more: the curve then continues each time
-        from a motion to which a time integration settled and that only more harmonics give.
+        whether ``part`` chooses its harmonics by an accuracy: a lost curve then continues once from a motion to which a
+        time integration settled and that more harmonics give. Else ``part`` has a fixed number of harmonics, but may
+        begin with more: the curve continues from such a motion wherever its own number goes on nowhere.
 
     Attributes
     ----------
@@ -70,10 +70,9 @@ class Pieces(Generic[BalancePointT]):
         window: tuple[float, float],
         settling: Settling,
         varies: bool = False,
-        lends: bool = False,
     ) -> None:
         self._part, self._settling, self._window = part, settling, window
-        self._varies, self._lends, self._takes_settled = varies, lends, varies or lends
+        self._varies, self._takes_settled = varies, True
         self._direction = math.copysign(1.0, window[1] - window[0])
         self._width = abs(window[1] - window[0])
         self._left_out = 0.0
@@ -94,29 +93,25 @@ class Pieces(Generic[BalancePointT]):
         """
         if start is not None:
             return self._follow(self._append(self._part(start, self._window[1])))
-        rest = functools.partial(self._settling.evidence_from_rest, self._window[0])
-        evidence, settled = rest(thorough=self._varies), None
-        at_start = self._settling.solution((), self._window[0], ramp=False) if self._lends else None
-        if at_start is None:
-            evidence = self._thorough(evidence, rest)
-            settled = self._settled(evidence, self._window[0])
-            at_start = settled
-        if at_start is None and not self._lends:
-            at_start = self._settling.solution((), self._window[0], ramp=False)
-        words = self._sentences(reason, evidence, goes_on=settled is not None)
+        first = self._window[0]
+        at_start, evidence, is_settled = self._way_on(
+            lambda: self._settling.solution((), first, ramp=False),
+            functools.partial(self._settling.evidence_from_rest, first),
+            first,
+        )
+        words = self._sentences(reason, evidence, goes_on=is_settled)
         if at_start is not None:
-            if settled:
+            if is_settled:
                 self.warnings.append(f"{capital(words)} The curve begins from this motion.")
             return self._follow(self._append(self._part(at_start[0], self._window[1])))
         # A motion that exists, but that these harmonics or digits do not give, is no reason to begin elsewhere.
         exists = evidence is not None and evidence.repeats_after == 1
-        found = None if exists else self._beyond(self._window[0], ())
+        found = None if exists else self._beyond(first, ())
         if found is None:
-            evidence = rest(thorough=True)
-            raise ConvergenceError(self._with_limit(self._sentences(reason, evidence)))
+            raise ConvergenceError(self._with_limit(words))
         point, how = found
-        back = self._part(point, self._window[0])
-        gap = self._gap(self._window[0], back)
+        back = self._part(point, first)
+        gap = self._gap(first, back)
         words = capital(words)
         self.warnings.append(f"{words} The curve begins at {_hz(gap[1])} Hz, from a motion that was found {how}.")
         self._append(back, reverse=True)
@@ -149,22 +144,15 @@ class Pieces(Generic[BalancePointT]):
         ahead = [self._direction * each.point.trial.omega for each in self.points]
         furthest, last = int(np.argmax(ahead)), self.points[-1].point
         edge = self.points[furthest].point
-        place, near = edge.trial.omega, (last, edge)
-        if self._lends:
-            # More harmonics only where those of the curve go on nowhere: a part with more costs more.
-            evidence = self._settling.evidence(last, self._direction * self._width)
-            found, settled = self._beyond(place, near), None
-            if found is None:
-                evidence = self._evidence_at_end()
-                settled = self._settled(evidence, place)
-        else:
-            evidence = self._settling.evidence(last, self._direction * self._width, thorough=self._varies)
-            settled = self._settled(evidence, place)
-            found = None if settled else self._beyond(place, near)
-        found = found or settled
+        place = edge.trial.omega
+        found, evidence, is_settled = self._way_on(
+            lambda: self._beyond(place, (last, edge)),
+            functools.partial(self._settling.evidence, last, self._direction * self._width),
+            place,
+        )
+        why = self._sentences(branch.message, evidence, goes_on=is_settled)
         if found is None:
-            at_end = evidence if self._lends else self._evidence_at_end()
-            self.message = self._with_limit(self._sentences(branch.message, at_end))
+            self.message = self._with_limit(why)
             return None
         point, how = found
         onward, back = self._part(point, self._window[1]), self._part(point, edge.trial.omega)
@@ -173,7 +161,6 @@ class Pieces(Generic[BalancePointT]):
             del self.points[furthest + 1 :]
             self._append(back, reverse=True, first=1)
             return self._append(onward)
-        why = self._sentences(branch.message, evidence, goes_on=settled is not None)
         gap = self._gap(edge.trial.omega, back)
         words = f"has no points from {_hz(min(gap))} to {_hz(max(gap))} Hz, so a peak there is not known"
         if gap[0] == gap[1]:
@@ -186,11 +173,22 @@ class Pieces(Generic[BalancePointT]):
         self._append(back, reverse=True)
         return self._append(onward)
 
-    def _thorough(self, evidence: Evidence | None, of_place: Callable[..., Evidence | None]) -> Evidence | None:
-        """The evidence, repeated thoroughly where that may give a motion from which the curve goes on."""
-        if not self._lends or evidence is None or evidence.repeats_after != 1 or evidence.motion is not None:
-            return evidence
-        return evidence if self._settling.work.limit_words else of_place(thorough=True)
+    def _way_on(
+        self, own: Callable[[], Found | None], evidence_of: Callable[..., Evidence | None], edge: float
+    ) -> tuple[Found | None, Evidence | None, bool]:
+        """A motion from which the curve goes on, what happens there, and whether a time integration settled on it.
+
+        ``own`` looks for one with the harmonics of the curve. With an accuracy the settled motion comes first. With a
+        fixed number it is the last resort, because a part with more harmonics costs more. Without any, the evidence is
+        thorough.
+        """
+        evidence = evidence_of(thorough=self._varies)
+        settled = self._settled(evidence, edge) if self._varies else None
+        found = settled or own()
+        if found is None and not self._varies:
+            evidence = evidence_of(thorough=True)
+            found = settled = self._settled(evidence, edge)
+        return found, evidence, settled is not None
 
     def _evidence_at_end(self) -> Evidence | None:
         """What happens where the curve ends."""
@@ -204,7 +202,7 @@ class Pieces(Generic[BalancePointT]):
         self._left_out += abs(first - edge)
         return edge, first
 
-    def _beyond(self, edge: float, near: Sequence[BalancePoint]) -> tuple[BalancePoint, str] | None:
+    def _beyond(self, edge: float, near: Sequence[BalancePoint]) -> Found | None:
         """A solution beyond a frequency, and how it was found: at the nearest distance first."""
         for distance in DISTANCES:
             if self._settling.work.limit_words:
@@ -217,19 +215,19 @@ class Pieces(Generic[BalancePointT]):
                 return found
         return None
 
-    def _settled(self, evidence: Evidence | None, edge: float) -> tuple[BalancePoint, str] | None:
+    def _settled(self, evidence: Evidence | None, edge: float) -> Found | None:
         """Once, if parts may have any number of harmonics: the motion not before a frequency to which a time
         integration settled, with as many as it requires."""
         motion = evidence.motion if evidence is not None and self._takes_settled else None
         if evidence is None or motion is None or (motion.trial.omega - edge) * self._direction < 0.0:
             return None
-        if self._lends:
+        if not self._varies:
             if evidence.settled.given_by == evidence.harmonics:
                 return None  # no more harmonics help: the search beyond finds such a motion
             self._settling.work.extend()
             if self._settling.work.limit_words:
                 return None
-        self._takes_settled = self._lends
+        self._takes_settled = not self._varies
         return motion, f"by a time integration, with {evidence.settled.given_by} harmonics,"
 
     def _sentences(self, reason: str, evidence: Evidence | None, goes_on: bool = False) -> str:

@@ -157,17 +157,20 @@ class RememberedHarmonics:
         self._use = use
         self._accepted: list[int] = []
 
-    def forget(self) -> None:
-        """A new branch begins."""
+    def begin(self, harmonics: int, on_event: Callable[[BranchEvent], None]) -> Callable[[BranchEvent], None]:
+        """A new branch begins with a number of harmonics; the listener for its events, which passes them on."""
         self._accepted.clear()
+        self._use(harmonics)
 
-    def listen(self, event: BranchEvent) -> None:
-        """Hear an event of the branch."""
-        if isinstance(event, Accepted):
-            self._accepted.append(event.point.harmonics)
-        elif isinstance(event, Retreat):
-            del self._accepted[event.count :]
-            self._use(self._accepted[-1])
+        def listen(event: BranchEvent) -> None:
+            if isinstance(event, Accepted):
+                self._accepted.append(event.point.harmonics)
+            elif isinstance(event, Retreat):
+                del self._accepted[event.count :]
+                self._use(self._accepted[-1])
+            on_event(event)
+
+        return listen
 
 
 class HarmonicsByAccuracy:
@@ -224,15 +227,9 @@ class HarmonicsByAccuracy:
     ) -> Branch[VaryingPoint]:
         """The branch from ``start`` to ``stop`` (rad/s), with estimated errors of all points."""
         lifted = self.curve.lifted(start)
-        self._remembered.forget()
-        self._use(lifted.harmonics)
+        listen = self._remembered.begin(lifted.harmonics, on_event)
         at_one_frequency = Tangent(np.zeros_like(lifted.unknowns), np.zeros_like(lifted.measured), np.ones(1))
         first = self.revised(lifted, at_one_frequency)
-
-        def listen(event: BranchEvent) -> None:
-            self._remembered.listen(event)
-            on_event(event)
-
         work = self.curve.work
         branch = Branch(self.newton, first.point, stop, settings, listen, landmarks, revise=self.revised, work=work)
         self._complete(branch.follow())
