@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-# chosen: the limit of the work of a curve that goes on with more harmonics, over the usual one. stiff 12 of the torture
-# set has spent half of the usual one on a tangle of few harmonics before.
-EXTENSION = 1.5
+# chosen: the limit of the work of a curve that goes on with more harmonics, over the usual one: the equations are other
+# ones, and the curve has as much work for them as it had for its own.
+EXTENSION = 2.0
 
 
 class Work:
