@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -42,6 +43,14 @@ def test_the_best_load_is_in_newton_beside_that_of_the_study() -> None:
     assert words.endswith("at 300 N: 14.14 µm; this study has 600 N.")
     (checked,) = answers(performance_curve=performance(checked=(CheckedPeak(1.0, 1.5e-5, 49.5, 0.004, 7),)))
     assert checked.endswith("at 300 N: 15 µm, checked by a whole curve; this study has 600 N.")
+
+
+def test_a_sharp_minimum_is_called_so() -> None:
+    steep = 1e-5 * (valley(LOADS, best=1.0) / valley(np.ones(1), best=1.0)) ** 40.0  # 1.64 times as high at 1.25 N
+    (words,) = answers(peak_ridge=ridge_of((LOADS, steep), parameter_name="preload.force"))
+    assert re.search(r" at 1 N: 10 µm\. It is sharp: (1\.25|0\.8) N has 16\.\d+ µm\.$", words)
+    (flat,) = answers(peak_ridge=ridge_of((LOADS, valley(LOADS, best=1.0)), parameter_name="preload.force"))
+    assert "sharp" not in flat
 
 
 def test_a_minimum_without_slip_is_no_best_load() -> None:

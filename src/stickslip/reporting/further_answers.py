@@ -8,6 +8,7 @@ from stickslip.core.shown_numbers import MICRO, length, number, raised
 from stickslip.reporting.view import View
 from stickslip.results.peak_ridge import PeakRidge
 
+_BESIDE, _MUCH_HIGHER = 1.25, 1.5  # chosen: factors of a value that a machine may miss, and of a peak that matters
 _SAME_PLACE = 0.02  # chosen: a check is at the minimum itself, or beside it by the distance of two points
 
 
@@ -50,8 +51,19 @@ def _lowest(ridge: PeakRidge, name: str, named: Callable[[float], str], more: st
     lowest, checked = (near[0].amplitude, ", checked by a whole curve") if near else (best.amplitude, "")
     yield (
         f"Over {name} the highest peak has its lowest minimum with slip at {named(best.parameter)}: "
-        f"{' '.join(length(lowest))}{checked}{more}."
+        f"{' '.join(length(lowest))}{checked}{more}.{_beside(ridge, best.parameter, lowest, named)}"
     )
+
+
+def _beside(ridge: PeakRidge, best: float, lowest: float, named: Callable[[float], str]) -> str:
+    """A sentence if a value close to the best one has a much higher peak: no one meets a design exactly."""
+    values = best / _BESIDE, best * _BESIDE
+    beside = ridge.at(values)
+    peaks = [(float(a), v) for a, v, known in zip(beside.amplitude, values, beside.ridge >= 0, strict=True) if known]
+    highest, value = max(peaks, default=(0.0, best))
+    if highest < _MUCH_HIGHER * lowest:
+        return ""
+    return f" It is sharp: {named(value)} has {' '.join(length(highest))}."
 
 
 def _mode(view: View) -> Iterator[str]:
