@@ -57,7 +57,8 @@ def _lowest(ridge: PeakRidge, name: str, named: Callable[[float], str], more: st
 
 def _beside(ridge: PeakRidge, best: float, lowest: float, named: Callable[[float], str]) -> str:
     """A sentence if a value close to the best one has a much higher peak: no one meets a design exactly."""
-    values = best / _BESIDE, best * _BESIDE
+    ends = float(ridge.parameter.min()), float(ridge.parameter.max())
+    values = max(best / _BESIDE, ends[0]), min(best * _BESIDE, ends[1])
     beside = ridge.at(values)
     peaks = [(float(a), v) for a, v, known in zip(beside.amplitude, values, beside.ridge >= 0, strict=True) if known]
     highest, value = max(peaks, default=(0.0, best))
