@@ -34,13 +34,14 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, PaperOutcome]:
 
 
 class _Tags(HTMLParser):
-    """Open tags, ids, and addresses that a page asks for or links to."""
+    """Open tags, ids, addresses of files that a page asks for or links to, and of other sites that it links to."""
 
     def __init__(self) -> None:
         super().__init__()
         self.open: list[str] = []
         self.ids: list[str] = []
         self.asked: list[str] = []
+        self.sites: list[str] = []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         if tag not in ("meta", "link", "img", "br"):
@@ -49,7 +50,8 @@ class _Tags(HTMLParser):
             if name == "id":
                 self.ids.append(value or "")
             if name in ("src", "href") and value and not value.startswith(("data:", "#")):
-                self.asked.append(value)
+                is_site = tag == "a" and value.startswith("https://")
+                (self.sites if is_site else self.asked).append(value)
 
     def handle_endtag(self, tag: str) -> None:
         assert self.open.pop() == tag
@@ -62,6 +64,7 @@ def test_page_is_whole_and_requests_nothing(made: tuple[Path, PaperOutcome]) -> 
     tags.feed(text)
     assert tags.open == []
     assert {address.split("/")[0] for address in tags.asked} == {"figures", "tables"}
+    assert tags.sites == ["https://doi.org/10.3390/app13042128"]
     assert all((folder / address).is_file() for address in tags.asked)
     assert tags.ids == [
         "conclusions", "choices", "reduction", "surfaces", "stiffness", "period", "damper", "states", "curves",
