@@ -98,6 +98,41 @@ def test_an_equation_acts_along_the_directions_of_turned_nodes(tmp_path: Path, a
     np.testing.assert_allclose(frequencies_hz(written(tmp_path, lines, turned)), wanted, rtol=1e-7)
 
 
+PAIRS = [(lower, upper, name) for lower, upper in CORNERS for name in LABELS]
+COUPLED = {
+    "a set each": [f"CP,{number},{name},{low},{up}" for number, (low, up, name) in enumerate(PAIRS, 1)],
+    "all directions": [f"CP,NEXT,ALL,{low},{up}" for low, up in CORNERS],
+    "node by node": [line for low, up, name in PAIRS for line in (f"CP,NEXT,{name},{low}", f"CP,HIGH,,{up},{low}")],
+    "changed direction": [line for low, up, name in PAIRS for line in (f"CP,NEXT,ROTX,{low},{up}", f"CP,HIGH,{name}")],
+}
+
+
+@pytest.mark.slow
+def test_coupled_sets_are_equations(tmp_path: Path, archive: str) -> None:
+    equations = [
+        line
+        for number, (low, up, name) in enumerate(PAIRS, 1)
+        for line in as_written(number, [(up, name, 1.0), (low, name, -1.0)])
+    ]
+    wanted = frequencies_hz(written(tmp_path, equations, archive))
+    for lines in COUPLED.values():
+        np.testing.assert_allclose(frequencies_hz(written(tmp_path, lines, archive)), wanted, rtol=1e-7)
+
+
+@pytest.mark.slow
+def test_a_coupled_set_of_many_nodes_follows_its_first_along_their_own_directions(tmp_path: Path, archive: str) -> None:
+    """Node 9 turned by 90 degrees about z: its UX is y."""
+    line = next(line for line in archive.splitlines() if line.startswith(f"{9:9d}{0:9d}"))
+    turned = archive.replace(line, f"{line}{90.0:21.13E}")
+    held = [f"CP,NEXT,{name},{low},{up}" for low, up, name in PAIRS if up != 9]
+    plain = as_written(1, [(9, "UY", 1.0), (5, "UX", -1.0)]) + as_written(2, [(7, "UX", 1.0), (5, "UX", -1.0)])
+    wanted = frequencies_hz(written(tmp_path, [*held, *plain], archive))
+    found = frequencies_hz(written(tmp_path, [*held, "CP,NEXT,UX,5,9,7"], turned))
+    np.testing.assert_allclose(found, wanted, rtol=1e-7)
+    without = frequencies_hz(written(tmp_path, held, archive))
+    assert abs(without[0] / wanted[0] - 1.0) > 1e-3  # the set acts
+
+
 def test_a_constant_is_told(tmp_path: Path) -> None:
     model = written(tmp_path, as_written(1, [(5, "UX", 1.0), (9, "UX", -1.0)], 0.5))
     printed_sentence(next(message for message in model.messages if "CE" in message))
@@ -112,9 +147,22 @@ def test_a_constant_is_told(tmp_path: Path) -> None:
         as_written(1, [(5, "TEMP", 1.0), (9, "UX", -1.0)]),
         as_written(1, [(5, "UX", 0.0), (9, "UX", 0.0)]),
         as_written(1, [(999, "UX", 1.0), (9, "UX", -1.0)]),
-        ["CP,1,UX,5,9"],
+        ["CERIG,5,9,ALL"],
+        ["CP,1,TEMP,5,9"],
+        ["CP,1,UX,5"],
+        ["CP,1,UX,ALL"],
+        ["CP,1,UX,5,-9"],
+        ["CP,1,UX,5,9", "CP,1,ALL,6,10"],
+        ["CP,2,UX,5,9", "CP,1,ALL,6,10"],
+        ["CP,HIGH,UX,5,9"],
+        ["CP,1,,5,9"],
+        ["CP,1,UX,5,999"],
     ],
-    ids=["a term is missing", "no DEFI", "twice", "direction", "all zero", "no such node", "CP"],
+    ids=[
+        *("a term is missing", "no DEFI", "twice", "direction", "all zero", "no such node", "CERIG", "CP temperature"),
+        *("CP one node", "CP all nodes", "CP removes a node", "CP all, set exists", "CP all, a later set exists"),
+        *("CP no highest", "CP no direction", "CP no such node"),
+    ],
 )
 def test_what_is_rejected(tmp_path: Path, lines: list[str]) -> None:
     with rejects(ImportFileError):

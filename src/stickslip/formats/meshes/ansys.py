@@ -18,7 +18,7 @@ import numpy as np
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.ansys_archive import Entry, read_archive
 from stickslip.formats.meshes.ansys_contact import CONTACT_TYPES, TARGET, ContactElements
-from stickslip.formats.meshes.ansys_ties import DIRECTIONS, ConstraintEquations
+from stickslip.formats.meshes.ansys_ties import DIRECTIONS, ConstraintEquations, CoupledSets
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
 from stickslip.formats.meshes.raw_model import (
     RawBody,
@@ -39,8 +39,8 @@ _LAYERED = 1  # KEYOPT(3) of SOLID185 and SOLID186
 _TIES = "it connects nodes to each other in a way that is not read, and the model would be another one without it"
 _REJECTED = {
     **dict.fromkeys(
-        ("CP", "CEINTF", "CERIG", "RBE3", "CPINTF"),
-        f"{_TIES}. Write it as equations CE, which CDWRITE does for CERIG, CEINTF and RBE3",
+        ("CEINTF", "CERIG", "RBE3", "CPINTF"),
+        f"{_TIES}. Write it as equations CE or coupled sets CP, as CDWRITE does",
     ),
     "EN": "elements one by one are not read. Write the archive with CDWRITE,DB and without the option UNBLOCKED",
 }
@@ -89,6 +89,7 @@ class _Reader:
         self._surface: dict[int, tuple[int, ...]] = {}  # corners of each surface element
         self._contacts = ContactElements()
         self._ties = ConstraintEquations()
+        self._coupled = CoupledSets()
         self._constants: dict[tuple[int, str], tuple[float, int]] = {}  # material, label -> value, line
         self._components: list[Entry] = []
         self._skipped: dict[str, int] = {}
@@ -104,6 +105,7 @@ class _Reader:
             "MPDATA": self._property_table,
             "D": self._constraint,
             "CE": self._ties.take,
+            "CP": self._coupled.take,
             "F": self._force,
             **dict.fromkeys(_GLOBAL_LOADS, self._global_load),
         }
@@ -137,7 +139,7 @@ class _Reader:
         self._contacts.write(raw, solid_nodes, friction)
         raw.constraints, raw.ties.equations = basic_constraints(raw.constraints, self._frames)
         equations, driven = self._ties.equations(self._frames)
-        raw.ties.equations += equations
+        raw.ties.equations += equations + self._coupled.equations(self._frames)
         if driven:
             raw.messages.append(
                 f"equations CE with a constant other than 0 (number: {len(driven)}, first in line {driven[0]}): "

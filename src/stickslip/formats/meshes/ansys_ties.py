@@ -1,6 +1,6 @@
-"""Constraint equations of Ansys archives: the command CE, as CDWRITE writes it and as a user does.
+"""Constraint equations and coupled sets of Ansys archives: the commands CE and CP.
 
-Source: Ansys Mechanical APDL command reference, CE. An equation acts along the directions of its nodes.
+Source: Ansys Mechanical APDL command reference, CE and CP. Both act along the directions of their nodes.
 """
 
 from __future__ import annotations
@@ -78,3 +78,63 @@ class ConstraintEquations:
                 entry.fail(f'"{name[:10]}" is not a direction; it must be one of {", ".join(DIRECTIONS)}.')
             term = (entry.label(entry.word(at)), DIRECTIONS[name], entry.number(entry.word(at + 2)))
             equation.terms.append(term)
+
+
+@dataclass
+class _CoupledSet:
+    entry: Entry  # its first command
+    direction: int
+    nodes: list[int] = field(default_factory=list)
+
+
+class CoupledSets:
+    """Reads CP: the nodes of a set have one displacement; :meth:`equations` gives them after the last command."""
+
+    def __init__(self) -> None:
+        self._sets: dict[int, _CoupledSet] = {}
+
+    def take(self, entry: Entry) -> None:
+        """Read one command CP,set,direction,node,...; a further one of a set adds nodes. Raises ImportFileError."""
+        number, name = self._number(entry), entry.word(1)
+        if name == "ALL":  # a new set for each displacement of a solid
+            if number in self._sets:
+                entry.fail(f"set {number} exists already, so that the direction ALL needs another number, or NEXT.")
+            names = ["UX", "UY", "UZ"]
+        elif name or number not in self._sets:
+            names = [name]
+        else:
+            names = [list(DIRECTIONS)[self._sets[number].direction]]
+        nodes = [entry.label(word) for word in entry.words[2:] if word]
+        for at, each in enumerate(names):
+            if each not in DIRECTIONS:
+                entry.fail(f'"{each[:10]}" is not a direction; it must be one of {", ".join(DIRECTIONS)} or ALL.')
+            if number + at in self._sets and len(names) > 1:
+                entry.fail(f"set {number + at} exists already; the direction ALL requires the numbers up to it.")
+            coupled = self._sets.setdefault(number + at, _CoupledSet(entry, DIRECTIONS[each]))
+            coupled.direction = DIRECTIONS[each]  # a new direction replaces that of the set
+            coupled.nodes += [node for node in nodes if node not in coupled.nodes]
+
+    def equations(self, frames: Mapping[int, FloatArray]) -> list[RawEquation]:
+        """``u_k - u_1 = 0`` for each further node k of a set, in basic directions. Raises ImportFileError.
+
+        ``frames`` are the directions (3, 3) of rotated nodes by label.
+        """
+        found = []
+        for number, coupled in self._sets.items():
+            if len(coupled.nodes) < 2:
+                coupled.entry.fail(f"set {number} has one node or none; at least two must be coupled.")
+            first, line = coupled.nodes[0], coupled.entry.line
+            for node in coupled.nodes[1:]:
+                terms = [(node, coupled.direction, 1.0), (first, coupled.direction, -1.0)]
+                basic = combined(term for each in terms for term in basic_terms(frames, *each))
+                found.append(RawEquation(f"CP {number}", basic, line, is_free=True))
+        return found
+
+    def _number(self, entry: Entry) -> int:
+        """The number of the set; NEXT is the highest one plus 1, HIGH the highest one."""
+        word, highest = entry.word(0), max(self._sets, default=0)
+        if word == "NEXT":
+            return highest + 1
+        if word == "HIGH" and highest:
+            return highest
+        return entry.label(word)

@@ -65,11 +65,12 @@ def walk_warnings(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[str, ..
     if not points.size:
         return ()
     hertz = np.array([trials[point].omega for point in points]) / (2.0 * np.pi)
-    most = int(ways.argmax())
+    most = int(points[ways[points].argmax()])
+    often = trials[most].omega / (2.0 * np.pi)
     return (
         f"A body that only friction supports does not remain in its position: at {points.size} of {len(trials)} "
         f"points, {hertz.min():.2f} to {hertz.max():.2f} Hz, it slides on by up to {1e6 * ways[most]:.3g} um in each "
-        f"cycle (at {trials[most].omega / (2.0 * np.pi):.2f} Hz). No periodic motion exists there; the curve shows the "
-        "motion of the body that walks on faces without end. Constrain it along its free direction, press it harder, "
-        "or lower the force.",
+        f"cycle (at {often:.2f} Hz: {1e6 * ways[most] * often:.3g} um in a second). No periodic motion exists there; "
+        "the curve shows the motion of the body that walks on faces without end. Constrain it along its free "
+        "direction, press it harder, or lower the force.",
     )
