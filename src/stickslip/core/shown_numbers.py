@@ -58,7 +58,9 @@ def raised(words: str) -> str:
 
 def unit_on_page(unit: str) -> str:
     """The unit of a key as a page shows it: µm, which a study file may write as um."""
-    return re.sub(r"\bum\b", "µm", unit)
+    return re.sub(
+        r"(?<=[/\d ])(mm|m)([23])\b", lambda found: found[1] + "²³"[int(found[2]) - 2], re.sub(r"\bum\b", "µm", unit)
+    )
 
 
 def typeset(words: str) -> str:

@@ -48,7 +48,7 @@ def orthotropic_matrix(
         compliance[row, column] = compliance[column, row] = value
     if not np.linalg.eigvalsh(compliance)[0] > 0.0:
         raise InputError(
-            f"Poisson's ratios {nu12:g}, {nu13:g}, {nu23:g} do not fit Young's moduli {e1:g}, {e2:g}, {e3:g} Pa: the "
+            f"Poisson's ratios {nu12:g}, {nu13:g}, {nu23:g} do not fit Young's moduli {e1:g}, {e2:g}, {e3:g}: the "
             "elastic energy would be negative. Ratios nu12 and nu13 belong to tension along axis 1, nu23 along axis 2."
         )
     return np.asarray(np.linalg.inv(compliance))

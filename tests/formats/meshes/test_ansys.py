@@ -12,7 +12,7 @@ from model_writers import write_inp
 from sentences import rejects
 from solid_cells import CORNERS
 from stickslip.core.errors import ImportFileError
-from stickslip.formats.meshes.ansys import rotated_axes
+from stickslip.formats.meshes.ansys_systems import rotated_axes
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.raw_contacts import RawContact
 from stickslip.formats.meshes.read import read_model

@@ -1,6 +1,7 @@
 """Ansys archives (.cdb, command CDWRITE): solids, materials, components, constraints, forces and contact pairs.
 
-- A body is a material of solid elements ("material 1"), or a material and an element type where several have it.
+- A body is a material of solid elements ("material 1"), or a material and an element type where several have it; of an
+  orthotropic material also the coordinate system of its elements.
 - A node component is a node set. A component of solids is an element set, one of surface elements a face set.
 - Contact pairs are the elements CONTA173, 174, 175 and TARGE170 with the same set of real constants; their faces are
   "contact 3" and "target 3".
@@ -18,13 +19,14 @@ import numpy as np
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.ansys_archive import Entry, read_archive
 from stickslip.formats.meshes.ansys_contact import CONTACT_TYPES, TARGET, ContactElements
+from stickslip.formats.meshes.ansys_materials import Materials
+from stickslip.formats.meshes.ansys_systems import CoordinateSystems, rotated_axes
 from stickslip.formats.meshes.ansys_ties import DIRECTIONS, ConstraintEquations, CoupledSets
 from stickslip.formats.meshes.directions import basic_constraints, basic_loads
 from stickslip.formats.meshes.raw_model import (
     RawBody,
     RawConstraint,
     RawLoad,
-    RawMaterial,
     RawModel,
     RawSides,
 )
@@ -51,7 +53,7 @@ _NO_BLOCK = (
 _SILENT = {
     *("NUMOFF", "DOF", "TYPE", "MAT", "REAL", "SECNUM", "ESYS", "EXTOPT", "FINISH", "TREF", "BFUNIF", "KUSE", "TIME"),
     *("CRPLIM", "NCNV", "NEQIT", "ERESX", "IRLF", "ANTYPE", "MODOPT", "MODCONTROL", "QRDOPT", "CSYS", "RLBLOCK", "R"),
-    *("RMODIF", "EQSLV", "OUTRES", "OUTPR", "MPTEMP", "MXPAND", "N", "LUMPM", "NLGEOM", "NSUB", "AUTOTS", "KBC"),
+    *("RMODIF", "EQSLV", "OUTRES", "OUTPR", "MXPAND", "N", "LUMPM", "NLGEOM", "NSUB", "AUTOTS", "KBC"),
 }
 # Gravity, rotations and other loads of zero, which each archive has.
 _GLOBAL_LOADS = ("ACEL", "OMEGA", "DOMEGA", "CGLOC", "CGOMEGA", "DCGOMG", "ALPHAD", "BETAD", "DMPRAT", "DMPSTR")
@@ -85,12 +87,13 @@ class _Reader:
         self._lines: list[int] = []
         self._frames: dict[int, FloatArray] = {}
         self._solids = SolidLists()
-        self._bodies: dict[tuple[int, int], list[int]] = {}  # material, type -> elements
+        self._bodies: dict[tuple[int, int, int], list[int]] = {}  # material, type, coordinate system -> elements
         self._surface: dict[int, tuple[int, ...]] = {}  # corners of each surface element
         self._contacts = ContactElements()
         self._ties = ConstraintEquations()
         self._coupled = CoupledSets()
-        self._constants: dict[tuple[int, str], tuple[float, int]] = {}  # material, label -> value, line
+        self._materials = Materials()
+        self._systems = CoordinateSystems()
         self._components: list[Entry] = []
         self._skipped: dict[str, int] = {}
         self._moved: list[int] = []
@@ -101,8 +104,11 @@ class _Reader:
             "NBLOCK": self._nodes,
             "EBLOCK": self._elements,
             "CMBLOCK": self._components.append,
-            "MP": self._property,
-            "MPDATA": self._property_table,
+            "MP": self._materials.take_constant,
+            "MPTEMP": self._materials.take_temperatures,
+            "MPDATA": self._materials.take_table,
+            "TB": self._nonlinear,
+            "LOCAL": self._systems.take,
             "D": self._constraint,
             "CE": self._ties.take,
             "CP": self._coupled.take,
@@ -130,13 +136,16 @@ class _Reader:
         raw.coordinates = np.array(self._coordinates, dtype=float)
         raw.node_lines = np.array(self._lines, dtype=np.int64)
         raw.blocks += self._solids.blocks()
+        self._materials.write(
+            raw,
+            list(dict.fromkeys([*(material for material, _, _ in self._bodies), *self._materials.numbers()])),
+            {material for material, _, _ in self._bodies},
+        )
         self._write_bodies()
-        self._write_materials()
         for entry in self._components:
             self._component(entry)
         solid_nodes = set().union(*(block.cells.ravel().tolist() for block in raw.blocks))
-        friction = {number: value for (number, label), (value, _) in self._constants.items() if label == "MU"}
-        self._contacts.write(raw, solid_nodes, friction)
+        self._contacts.write(raw, solid_nodes, self._materials.friction())
         raw.constraints, raw.ties.equations = basic_constraints(raw.constraints, self._frames)
         equations, driven = self._ties.equations(self._frames)
         raw.ties.equations += equations + self._coupled.equations(self._frames)
@@ -157,27 +166,23 @@ class _Reader:
         return raw
 
     def _write_bodies(self) -> None:
-        for (material, number), elements in self._bodies.items():
-            alone = sum(other == material for other, _ in self._bodies) == 1
-            name = f"material {material}" if alone else f"material {material} type {number}"
-            self.raw.bodies.append(RawBody(name, np.array(elements, dtype=np.int64), str(material), 0))
-
-    def _write_materials(self) -> None:
-        for number in dict.fromkeys(
-            [*(material for material, _ in self._bodies), *(key[0] for key in self._constants)]
-        ):
-            values = {label: value for (material, label), value in self._constants.items() if material == number}
-            young, density = values.get("EX", (None, 0)), values.get("DENS", (None, 0))
-            poisson = values.get("PRXY", values.get("NUXY", (None, 0)))
-            for label in ("EY", "EZ"):
-                if values.get(label, young)[0] != young[0]:
-                    self.raw.fail(
-                        f"{label} of material {number} differs from EX; orthotropic materials of archives are not "
-                        "read. Give the material in the study, or write the model as .inp.",
-                        values[label][1],
-                    )
-            line = max([line for _, line in values.values()], default=0)
-            self.raw.materials[str(number)] = RawMaterial.of_constants(young[0], poisson[0], density[0], line)
+        merged: dict[tuple[int, int, int], list[int]] = {}  # without the systems of isotropic materials
+        for (material, number, system), elements in self._bodies.items():
+            is_directed = self.raw.materials[str(material)].symmetry != "isotropic"
+            merged.setdefault((material, number, system if is_directed else 0), []).extend(elements)
+        for (material, number, system), elements in merged.items():
+            name = f"material {material}"
+            if len({other for each, other, _ in merged if each == material}) > 1:
+                name += f" type {number}"
+            if len({other for *each, other in merged if each == [material, number]}) > 1:
+                name += f" system {system}"
+            axes = self._systems.axes(system)
+            if isinstance(axes, str):
+                self.raw.fail(
+                    f"the orthotropic material {material} has the coordinate system {system}, which {axes}. Give the "
+                    "axes of its elements as a rectangular system, or write the model as .inp."
+                )
+            self.raw.bodies.append(RawBody(name, np.array(elements, dtype=np.int64), str(material), 0, axes))
 
     def _component(self, entry: Entry) -> None:
         name, kind = entry.words[0], entry.word(1)
@@ -248,12 +253,12 @@ class _Reader:
                 words = [*words, *further[1]]
             if len(words) != count:
                 entry.fail(f"the element has {len(words)} nodes, but announces {count}.", line)
-            material, number, real = (entry.whole(word, line) for word in fields[:3])
+            attributes = tuple(entry.whole(word, line) for word in fields[:5])
             nodes = [entry.whole(word, line) for word in words]
-            self._element(entry, entry.label(fields[10], line), (material, number, real), nodes, line)
+            self._element(entry, entry.label(fields[10], line), attributes, nodes, line)
 
-    def _element(self, entry: Entry, label: int, attributes: tuple[int, int, int], nodes: list[int], line: int) -> None:
-        material, number, real = attributes
+    def _element(self, entry: Entry, label: int, attributes: tuple[int, ...], nodes: list[int], line: int) -> None:
+        material, number, real, _, system = attributes
         kind = self._types.get(number)
         if kind is None:
             entry.fail(f"element {label} has the type {number}, but there is no ET,{number}.", line)
@@ -262,7 +267,7 @@ class _Reader:
                 entry.fail(f"element {label} has layers (KEYOPT(3) = 1), which are not read.", line)
             shape, cell = _solid_shape(entry, label, nodes, line)
             self._solids.add(shape, label, cell, line)
-            self._bodies.setdefault((material, number), []).append(label)
+            self._bodies.setdefault((material, number, system), []).append(label)
         elif kind in CONTACT_TYPES:
             corners = _corners(nodes, kind == TARGET)
             self._contacts.add(kind, real, material, corners, self._keys.get((number, 12), 0), line)
@@ -274,23 +279,9 @@ class _Reader:
             self.raw.other_elements[name] = self.raw.other_elements.get(name, 0) + 1
             self._surface[label] = _corners(nodes, False) if kind in _SHELLS else ()
 
-    def _property(self, entry: Entry) -> None:
-        if len(entry.words) > 3 and any(entry.number(word) for word in entry.words[3:]):
-            entry.fail("a polynomial of temperature is not read. Write the archive with MPDATA, or constants.")
-        self._constants[entry.label(entry.word(1)), entry.word(0)] = entry.number(entry.word(2)), entry.line
-
-    def _property_table(self, entry: Entry) -> None:
-        words = entry.words[2:] if entry.word(0).startswith(("R5", "UNBL")) else entry.words
-        if len(words) < 4:
-            entry.fail("a label, a material, a position and a value are required.")
-        key = entry.label(words[1]), words[0].upper()
-        if entry.whole(words[2]) > 1 or any(word and entry.number(word) for word in words[4:]):
-            self.raw.messages.append(
-                f"line {entry.line}: {key[1]} of material {key[0]} depends on temperature; stickslip uses its first "
-                "value only."
-            )
-        if entry.whole(words[2]) <= 1:
-            self._constants[key] = entry.number(words[3]), entry.line
+    def _nonlinear(self, entry: Entry) -> None:
+        if not self._materials.take_nonlinear(entry):
+            self._skipped.setdefault(f"TB,{entry.word(0)[:10]}", entry.line)
 
     def _constraint(self, entry: Entry) -> None:
         node, name = entry.label(entry.word(0)), entry.word(1)
@@ -312,15 +303,6 @@ class _Reader:
     def _global_load(self, entry: Entry) -> None:
         if any(entry.number(word) for word in entry.words):
             self._skipped.setdefault(entry.name, entry.line)
-
-
-def rotated_axes(angles_degrees: list[float]) -> FloatArray:
-    """Rows (3, 3): axes of a node turned about z, then about its x, then about its y axis, each by an angle."""
-    (z, x, y) = np.radians(angles_degrees)
-    about_z = np.array([[np.cos(z), np.sin(z), 0.0], [-np.sin(z), np.cos(z), 0.0], [0.0, 0.0, 1.0]])
-    about_x = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(x), np.sin(x)], [0.0, -np.sin(x), np.cos(x)]])
-    about_y = np.array([[np.cos(y), 0.0, -np.sin(y)], [0.0, 1.0, 0.0], [np.sin(y), 0.0, np.cos(y)]])
-    return np.asarray(about_y @ about_x @ about_z)
 
 
 def _corners(nodes: list[int], is_target: bool) -> tuple[int, ...]:

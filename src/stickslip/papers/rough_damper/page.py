@@ -10,6 +10,7 @@ from pathlib import Path
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
+from stickslip.core.shown_numbers import typeset
 from stickslip.papers.rough_damper.compute import Failure
 from stickslip.papers.rough_damper.items import Item
 from stickslip.papers.rough_damper.tables import Cell, Table
@@ -122,5 +123,5 @@ def _unit(unit: str) -> str:
 
 def _cell(cell: Cell, unit: str, is_word: bool) -> _Cell:
     if isinstance(cell, str):
-        return _Cell(cell, "word long" if len(cell) > LONG_CELL else "word")
+        return _Cell(typeset(cell), "word long" if len(cell) > LONG_CELL else "word")
     return _Cell("–" if isnan(cell) else shown_number(cell, unit), "word" if is_word else "")

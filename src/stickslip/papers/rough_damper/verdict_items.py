@@ -105,7 +105,7 @@ def conclusions_item(claims: Sequence[JudgedClaim], changed: Sequence[ChangedVer
         (
             each.statement,
             each.judged.verdict.value,
-            *(each.by_sweep[reading].verdict.value for reading in SWEEPS),
+            _by_sweeps(each),
             each.place,
             _examples(each.judged),
             f"{each.judged.reason} {each.remark}".strip(),
@@ -120,8 +120,7 @@ def conclusions_item(claims: Sequence[JudgedClaim], changed: Sequence[ChangedVer
         columns(
             "claim||Claim",
             "verdict||Verdict",
-            "sweep_up||By a slow sweep up",
-            "sweep_down||By a slow sweep down",
+            "sweeps||By slow sweeps",
             "place||In the paper",
             "numbers||Numbers of stickslip",
             "why||Why",
@@ -144,6 +143,16 @@ def conclusions_item(claims: Sequence[JudgedClaim], changed: Sequence[ChangedVer
         ),
         (table,),
     )
+
+
+def _by_sweeps(claim: JudgedClaim) -> str:
+    """The verdicts by the peaks of slow sweeps that differ from the verdict."""
+    others = [
+        f"{reading}: {each.verdict.value}"
+        for reading, each in claim.by_sweep.items()
+        if each.verdict is not claim.judged.verdict
+    ]
+    return "; ".join(others) or "the same"
 
 
 def _examples(judged: Judgement) -> str:
