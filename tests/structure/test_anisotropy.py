@@ -113,11 +113,22 @@ def test_patch_of_distorted_bricks(make_block: Callable[..., Mesh], element: str
 
 @pytest.mark.parametrize(
     ("moduli", "ratios", "shears"),
-    [((1.0, 1.0, 0.0), (0.3,) * 3, (1.0,) * 3), ((1.0, 100.0, 1.0), (0.9, 0.1, 0.1), (1.0,) * 3)],
+    [
+        ((1.0, 1.0, 0.0), (0.3,) * 3, (1.0,) * 3),
+        ((1.0, 100.0, 1.0), (0.9, 0.1, 0.1), (1.0,) * 3),
+        ((2e11,) * 3, (0.3,) * 3, (1e11, 1e-320, 1e11)),
+        ((2e11,) * 3, (1e308, 0.3, 0.3), (1e11,) * 3),
+    ],
 )
 def test_impossible_constants(moduli: tuple[float, ...], ratios: tuple[float, ...], shears: tuple[float, ...]) -> None:
     with rejects(InputError):
         orthotropic_matrix(moduli, ratios, shears)
+
+
+@pytest.mark.parametrize("size", [1e-320, 1e308])
+def test_the_size_of_the_moduli_does_not_matter(size: float) -> None:
+    found = orthotropic_matrix((size,) * 3, (0.0,) * 3, (size,) * 3)
+    np.testing.assert_allclose(found, np.diag([size] * 6), rtol=1e-9)
 
 
 @pytest.mark.parametrize("change", [(0, 1, 1e12), (0, 0, -1e12), (0, 0, np.nan)])

@@ -17,6 +17,7 @@ from stickslip.structure.material import Material, isotropic_averages
 # Axes of each strain of the order above.
 _AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
 _SYMMETRIC = 1e-6  # largest relative difference of components that are equal
+LARGEST_CONTRAST = 1e9  # chosen: of moduli; no material has more, and more leaves no digits to their ratios
 _SMALLEST = 1e-9  # ratio of the smallest to the largest eigenvalue below which a material has no stiffness
 
 
@@ -41,17 +42,22 @@ def orthotropic_matrix(
         for constants of which the elastic energy is not positive.
     """
     (e1, e2, e3), (nu12, nu13, nu23), (g12, g13, g23) = young_moduli, poisson_ratios, shear_moduli
-    if not min(e1, e2, e3, g12, g13, g23) > 0.0:
-        raise InputError("Young's moduli and shear moduli of an orthotropic material must be above 0.")
-    compliance = np.diag([1.0 / e1, 1.0 / e2, 1.0 / e3, 1.0 / g12, 1.0 / g23, 1.0 / g13])
-    for (row, column), value in (((0, 1), -nu12 / e1), ((0, 2), -nu13 / e1), ((1, 2), -nu23 / e2)):
-        compliance[row, column] = compliance[column, row] = value
+    smallest, largest = min(e1, e2, e3, g12, g13, g23), max(e1, e2, e3, g12, g13, g23)
+    if not 0.0 < smallest <= largest <= LARGEST_CONTRAST * smallest:
+        raise InputError(
+            "Young's moduli and shear moduli of an orthotropic material must be above 0, and the largest at most "
+            f"{LARGEST_CONTRAST:g} times the smallest; they are {smallest:g} to {largest:g}."
+        )
+    compliance = np.diag([largest / modulus for modulus in (e1, e2, e3, g12, g23, g13)])  # times the largest modulus
+    for (row, column), ratio in (((0, 1), nu12), ((0, 2), nu13), ((1, 2), nu23)):
+        compliance[row, column] = compliance[column, row] = -ratio * compliance[row, row]
     if not np.linalg.eigvalsh(compliance)[0] > 0.0:
         raise InputError(
             f"Poisson's ratios {nu12:g}, {nu13:g}, {nu23:g} do not fit Young's moduli {e1:g}, {e2:g}, {e3:g}: the "
             "elastic energy would be negative. Ratios nu12 and nu13 belong to tension along axis 1, nu23 along axis 2."
         )
-    return np.asarray(np.linalg.inv(compliance))
+    with np.errstate(over="ignore"):
+        return np.asarray(largest * np.linalg.inv(compliance))
 
 
 def rotated_matrix(elastic: ArrayLike, axes: ArrayLike) -> FloatArray:
