@@ -7,6 +7,8 @@ import re
 import numpy as np
 
 MICRO = 1e6  # m to µm
+# Unit of a measure -> factor and unit in which it is shown.
+SHOWN = {"m": (MICRO, "µm"), "Hz": (1.0, "Hz"), "Pa": (1e-6, "MPa")}
 _PLAIN = (1e-3, 1e6)  # sizes of numbers without an exponent
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 

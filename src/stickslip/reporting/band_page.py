@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
-from stickslip.core.shown_numbers import number
+from stickslip.core.shown_numbers import SHOWN, number
 from stickslip.reporting import band_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import shown_number
@@ -130,7 +130,7 @@ def _tiles(statistics: BandStatistics) -> Iterator[Tile]:
         if result.count:
             low, middle, high = (_number(result.measure, value) for value in result.values)
             more = f"{low} to {high} in 90 % of {result.count} samples"
-            yield Tile(f"{words}, median", middle, plots.SHOWN[result.measure.unit][1], more)
+            yield Tile(f"{words}, median", middle, SHOWN[result.measure.unit][1], more)
     tractions = statistics.tractions
     if tractions is not None:
         ends = " to ".join(_number(MEASURES["peak_amplitude"], end) for end in (tractions.low, tractions.high))
@@ -172,7 +172,7 @@ def _traction_words(statistics: BandStatistics) -> Iterator[str]:
 
 
 def _number(measure: BandMeasure, value: float) -> str:
-    factor, unit = plots.SHOWN[measure.unit]
+    factor, unit = SHOWN[measure.unit]
     return "–" if math.isnan(value) else shown_number(factor * value, unit)
 
 
@@ -184,7 +184,7 @@ def _percentile_row(statistics: BandStatistics, measure: BandMeasure) -> dict[st
     result = statistics.percentiles[measure.name]
     cells = [_number(measure, value) for value in result.values]
     ends = [f"{_end(measure, low)} to {_end(measure, high)}" for low, high in result.intervals]
-    words = f"{measure.words}, {plots.SHOWN[measure.unit][1]}"
+    words = f"{measure.words}, {SHOWN[measure.unit][1]}"
     return {"words": words, "cells": list(zip(cells, ends, strict=True)), "count": result.count}
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, INK, ORANGE, VERMILLION
-from stickslip.core.shown_numbers import MICRO, unit_on_page
+from stickslip.core.shown_numbers import MICRO, SHOWN, unit_on_page
 from stickslip.reporting.look import (
     FREQUENCY,
     Figure,
@@ -28,7 +28,6 @@ from stickslip.results.sweep_table import SweptKey
 
 DRAWN_CURVES = 64  # chosen: thin lines of samples behind the band; more are a grey area
 DRAWN_POINTS = 40_000  # chosen: points of these lines
-SHOWN = {"m": (MICRO, "µm"), "Hz": (1.0, "Hz")}
 _BAND = "rgba(0, 114, 178, 0.22)"
 _TRACTIONS = "rgba(230, 159, 0, 0.14)"
 TRACTIONS = "residual tractions, central inputs"

@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
-from stickslip.core.shown_numbers import capital, number
+from stickslip.core.shown_numbers import SHOWN, capital, number
 from stickslip.reporting import design_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import shown_number
@@ -86,7 +86,7 @@ def _answer(result: DesignResult) -> Iterator[str]:
     best, before = result.optimum, plots.start_design(result)
     if best is None:
         return
-    unit = plots.SHOWN[result.measure.unit][1]
+    unit = SHOWN[result.measure.unit][1]
     worst = f" in the worst of {len(best.cases)} load cases" if len(best.cases) > 1 else ""
     values = zip(result.keys, best.values, strict=True)
     keys = ", ".join(f"{_short(key)} {number(key.shown(value))} {key.unit}".rstrip() for key, value in values)
@@ -107,19 +107,19 @@ def _tiles(result: DesignResult) -> Iterator[Tile]:
     if before is not None:
         change = 100.0 * (best.objective / before.objective - 1.0)
         more = f"{_with_unit(result.measure, before.objective)} in the study, {number(change, 3)} %"
-    unit = plots.SHOWN[result.measure.unit][1]
+    unit = SHOWN[result.measure.unit][1]
     yield Tile(result.measure.words, _value(result.measure, best.objective), unit, more)
     for key, value, along in zip(result.keys, best.values, result.sharpness, strict=True):
         yield Tile(capital(_short(key)), number(key.shown(value)), key.unit, f"5 % more at: {_cost(key, along)}")
 
 
 def _value(measure: BandMeasure, value: float) -> str:
-    factor, unit = plots.SHOWN[measure.unit]
+    factor, unit = SHOWN[measure.unit]
     return "–" if math.isnan(value) else shown_number(factor * value, unit)
 
 
 def _with_unit(measure: BandMeasure, value: float) -> str:
-    return f"{_value(measure, value)} {plots.SHOWN[measure.unit][1]}".rstrip()
+    return f"{_value(measure, value)} {SHOWN[measure.unit][1]}".rstrip()
 
 
 def _cost(key: DesignKey, along: Sharpness) -> str:
@@ -149,7 +149,7 @@ def _limit_row(result: DesignResult, place: int) -> list[str]:
     if best is None:
         return [limit.text, "–", "–"]
     value = best.required[place]
-    unit = plots.SHOWN[limit.measure.unit][1]
+    unit = SHOWN[limit.measure.unit][1]
     return [limit.text, f"{_value(limit.measure, value)} {unit}", f"{number(100.0 * value / limit.value, 3)} %"]
 
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
-from stickslip.core.shown_numbers import MICRO
-from stickslip.reporting.band_plots import SHOWN as SHOWN_BY_BANDS
+from stickslip.core.shown_numbers import MICRO, SHOWN
 from stickslip.reporting.look import (
     FREQUENCY,
     Figure,
@@ -24,7 +23,6 @@ from stickslip.reporting.look import (
 from stickslip.results.band import BandMeasure
 from stickslip.results.design import COST, DesignResult, Evaluation
 
-SHOWN = {**SHOWN_BY_BANDS, "Pa": (1e-6, "MPa")}
 STARTS = ((VERMILLION, "square"), (GREEN, "diamond"), (PURPLE, "triangle-up"), (ORANGE, "triangle-down"))
 _GREY = "#8d94a0"
 _CURVE_COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from stickslip.core.errors import StickslipError
 from stickslip.core.progress import Progress, SilentProgress
+from stickslip.core.shown_numbers import SHOWN, number
 from stickslip.core.validation import FloatArray
 from stickslip.results.band import BandMeasure, Limit
 from stickslip.results.design import STRESSES, DesignCase, DesignPeak, Evaluation
@@ -205,5 +206,6 @@ class DesignCases:
         words = f"{len(self.evaluations)} designs"
         if allowed:
             best = min(allowed, key=lambda each: each.objective)
-            words += f", best {best.objective:.4g} {self.requirements.measure.unit}"
+            factor, unit = SHOWN[self.requirements.measure.unit]
+            words += f", best {number(factor * best.objective)} {unit}"
         self._progress.update("Design", 0.0, f"{stage}: {count} cases; {words}")
