@@ -1,13 +1,13 @@
 """One table of the torture set: which curves are complete, which end early, which step over a resonance, at what cost.
 
-    python benchmarks/torture.py FOLDER [--classes damper,light] [--seeds 0:8] [--peaks]
+    python benchmarks/torture.py FOLDER [--classes damper,light] [--seeds 0:8] [--peaks] [--no-checks]
 
 Without options it solves all problems of all classes (torture_problems.py) with 3 harmonics and 128 samples, one after
 the other, in a process of its own with a time limit. ``--peaks`` then looks for missed peaks in the completed curves
 (torture_peaks.py). FOLDER receives one file for each problem, so an interrupted run resumes; use a new folder for each
-version of the code and each choice of ``--harmonics`` and ``--residual-traction``, and delete the file of a problem to
-solve it again. All seconds are processor time. Work is counted in iterations of Newton's method, searches and time
-integrations included (``response.provenance["solve_work"]``), the same on each machine.
+version of the code and each choice of ``--harmonics``, ``--residual-traction`` and ``--no-checks``, and delete the file
+of a problem to solve it again. All seconds are processor time. Work is counted in iterations of Newton's method,
+searches and time integrations included (``response.provenance["solve_work"]``), the same on each machine.
 
 A curve that is not complete is "unsettled" if a time integration at the place where it was lost does not settle on a
 motion with the period of the force. It is "few harmonics" if the motion settles and the message has a larger number of
@@ -56,6 +56,7 @@ class Settings:
 
     harmonics: int
     residual_traction: ResidualTraction
+    checks: bool = True  # stability, and the search for missed peaks of the curve itself; neither decides the verdict
 
 
 class TimeLimitError(Exception):
@@ -90,7 +91,10 @@ def curve_row(task: Task) -> Row:
     verdict, message, response = "timed out", "", None
     try:
         response = problem.solve(
-            task.settings.residual_traction, harmonics=task.settings.harmonics, progress=task.clock()
+            task.settings.residual_traction,
+            harmonics=task.settings.harmonics,
+            checks=task.settings.checks,
+            progress=task.clock(),
         )
     except ss.ConvergenceError as error:
         message = str(error)
@@ -347,10 +351,14 @@ def main() -> None:
     parser.add_argument("--harmonics", type=int, default=3)
     parser.add_argument("--residual-traction", choices=get_args(ResidualTraction), default="released")
     parser.add_argument("--peaks", action="store_true", help="look for missed peaks in the completed curves")
+    words = "curves without multipliers and without their own search for missed peaks: the same verdicts in less time"
+    parser.add_argument("--no-checks", action="store_true", help=words)
     words = "seconds of each curve, and of each search; default: %(default)g"
     parser.add_argument("--time-limit", type=float, default=60.0, help=words)
     options = parser.parse_args()
-    settings = Settings(options.harmonics, options.residual_traction)
+    if options.peaks and options.no_checks:
+        parser.error("--peaks needs the warnings of the curves, which --no-checks leaves out.")
+    settings = Settings(options.harmonics, options.residual_traction, not options.no_checks)
     tasks = [Task(*each, settings, options.time_limit) for each in chosen(options.classes, options.seeds)]
     results, worker = Results(options.folder, settings), Worker()
     solve_all(tasks, results, worker)

@@ -65,6 +65,21 @@ def test_pair_cycle_reproduces_stored_states_and_energies(response: ForcedRespon
     np.testing.assert_allclose(cycle.dissipated_energy.sum(), response.dissipated_energy[point].sum(), rtol=0.02)
 
 
+def test_another_analysis_has_the_resolution_of_the_curve_or_of_its_points_if_they_have_more(
+    response: ForcedResponse,
+) -> None:
+    own = response.harmonics, response.samples
+    assert response.resolution_at() == response.resolution_at([3]) == own
+    numbers = np.full(response.n_points, response.harmonics)
+    numbers[:5] = 1
+    asked = response.settings | {"harmonics": 1, "samples": 16}
+    lent = dataclasses.replace(response, point_harmonics=numbers, settings=asked)
+    assert lent.resolution_at() == lent.resolution_at([0, 4]) == (1, 16)
+    assert lent.resolution_at([4, 5]) == own
+    accurate = dataclasses.replace(lent, estimated_error=np.zeros(response.n_points))
+    assert accurate.resolution_at([0]) == own
+
+
 def test_equality_looks_at_every_entry(response: ForcedResponse) -> None:
     same = dataclasses.replace(response, displacement=response.displacement.copy())
     assert same == response

@@ -123,7 +123,7 @@ def test_impact_of_a_few_samples_is_no_friction() -> None:
         )
         largest.append(float(np.abs(work / response.input_energy).max()))
         omega = 2.0 * np.pi * response.frequency_hz
-        reported = normal_work_warnings(omega, work, response.input_energy, samples)
+        reported = normal_work_warnings(omega, work, response.input_energy, np.full(omega.size, samples))
         assert bool(reported) == (largest[-1] > 1e-2)
         assert set(reported) <= set(response.warnings)
         if reported:

@@ -9,10 +9,15 @@ import pytest
 
 import stickslip as ss
 from lost_curves import Solutions, hertz_of, loses_once, pieces, point, resonance
+from sentences import printed_sentence
 from stickslip.solve import lent_harmonics
 from stickslip.solve import pieces as pieces_module
 from stickslip.solve import settled_motion as settled_module
 from stickslip.solve.evidence import Evidence
+from stickslip.solve.gradients.peak_gradients import peak_gradients
+from stickslip.solve.harmonic import checks
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.settled_motion import SettledMotion
 
 ROW = np.array([1.0, 0.0, 0.0])
@@ -90,33 +95,43 @@ def test_a_curve_asks_thoroughly_only_where_its_own_harmonics_go_on_nowhere(
     assert asked == expected
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("confirms", "returns"), [(0.05, True), (0.0, False)])
-def test_a_lost_curve_with_fixed_harmonics_has_more_until_its_own_confirm_the_motion(
-    confirms: float, returns: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(pieces_module, "SAME_MOTION", 0.0)
-    monkeypatch.setattr(settled_module, "MORE_HARMONICS", (3,))
-    monkeypatch.setattr(lent_harmonics, "SAME", confirms)
-    # The harmonics of the curve go on nowhere.
-    monkeypatch.setattr(pieces_module.Pieces, "_beyond", lambda *arguments: None)
+# The resonance of these tests, and the frequency in Hz beyond which the harmonics of the curve go on nowhere.
+FORCE: dict[str, Any] = {"newtons": 400.0, "modal_damping_ratio": 0.02}
+LOST = 355.6
+
+
+def lost_at(hertz: float, confirms: float, **options: Any) -> ss.ForcedResponse:
+    """The resonance with 1 harmonic, lost at a frequency where more harmonics go on."""
     events: list[str] = []
-    monkeypatch.setattr(lent_harmonics, "Branch", loses_once(2.0 * np.pi * 355.6, events))
-    force = {"newtons": 400.0, "modal_damping_ratio": 0.02}
-    parted = resonance(ss.ContinuationSettings(), **force)
-    monkeypatch.undo()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pieces_module, "SAME_MOTION", 0.0)
+        patch.setattr(settled_module, "MORE_HARMONICS", (3,))
+        patch.setattr(lent_harmonics, "SAME", confirms)
+        patch.setattr(pieces_module.Pieces, "_beyond", lambda *arguments: None)
+        patch.setattr(lent_harmonics, "Branch", loses_once(2.0 * np.pi * hertz, events))
+        parted = resonance(ss.ContinuationSettings(), **FORCE, **options)
     assert events == ["lost", "goes on elsewhere"]
     assert parted.converged
     assert parted.harmonics == 3
+    return parted
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("confirms", "returns"), [(0.05, True), (0.0, False)])
+def test_a_lost_curve_with_fixed_harmonics_has_more_until_its_own_confirm_the_motion(
+    confirms: float, returns: bool
+) -> None:
+    parted = lost_at(LOST, confirms)
     assert parted.estimated_error is None
+    assert (parted.settings["harmonics"], parted.settings["samples"]) == (1, 64)
     numbers = parted.point_harmonics
     assert numbers is not None
     lost = int(np.flatnonzero(parted.part == 0)[-1])
     assert set(numbers[: lost + 1]) == {1}
     assert set(numbers[lost + 1 :]) == ({1, 3} if returns else {3})
     assert numbers[-1] == (1 if returns else 3)
-    alone = resonance(ss.ContinuationSettings(), **force)
-    more = resonance(ss.ContinuationSettings(), **force | {"harmonics": 3})
+    alone = resonance(ss.ContinuationSettings(), **FORCE)
+    more = resonance(ss.ContinuationSettings(), **FORCE, harmonics=3)
     assert alone.point_harmonics is None
     for number, whole in ((1, alone), (3, more)):
         those = numbers == number
@@ -125,3 +140,64 @@ def test_a_lost_curve_with_fixed_harmonics_has_more_until_its_own_confirm_the_mo
     there = parted.frequency_hz[numbers == 3]
     (sentence,) = [each for each in parted.warnings if "harmonics instead of 1" in each]
     assert f"From {there.min():.3f} to {there.max():.3f} Hz {there.size} of {numbers.size} points have 3" in sentence
+
+
+STRUCTURE = ss.Superelement(np.eye(3), 4e6 * np.eye(3))
+JOINT = ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 2000.0)
+PULL = np.array([FORCE["newtons"], 0.0, 0.0])
+DAMPING = {"modal_damping_ratio": FORCE["modal_damping_ratio"]}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("hertz", "harmonics"), [(345.0, 3), (362.0, 1)])
+def test_gradients_have_the_harmonics_of_the_peak(hertz: float, harmonics: int) -> None:
+    parted = lost_at(hertz, confirms=0.0)
+    top = int(parted.amplitude(ROW).argmax())
+    assert parted.resolution_at(range(top - 1, top + 2)).harmonics == harmonics
+    whole = resonance(ss.ContinuationSettings(), **FORCE, harmonics=harmonics)
+    values, expected = (peak_gradients(STRUCTURE, JOINT, PULL, each, ROW, **DAMPING) for each in (parted, whole))
+    assert values.amplitude == pytest.approx(expected.amplitude, rel=1e-6)  # 1 and 3 harmonics differ by 1.4e-4
+    np.testing.assert_allclose(values.by_amplitude, expected.by_amplitude, rtol=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("hertz", "harmonics"), [(345.0, 3), (362.0, 1)])
+def test_a_band_of_tractions_has_the_harmonics_of_the_peak(hertz: float, harmonics: int) -> None:
+    options: dict[str, Any] = {"traction_band": ROW, "traction_starts": 0}
+    band = lost_at(hertz, confirms=0.0, **options).traction_band
+    expected = resonance(ss.ContinuationSettings(), **FORCE, harmonics=harmonics, **options).traction_band
+    assert band is not None
+    assert expected is not None
+    assert band.displacement.shape[2] == 7
+    assert bool(band.displacement[:, :, 3:].any()) == (harmonics == 3)
+    amplitudes = [[each.amplitude.max() for each in those.curves(ROW)] for those in (band, expected)]
+    np.testing.assert_allclose(amplitudes[0], amplitudes[1], rtol=1e-3)
+
+
+@pytest.mark.slow
+def test_a_search_for_other_solutions_has_the_harmonics_of_the_curve_and_says_where_it_has_more() -> None:
+    parted = lost_at(LOST, confirms=0.0)
+    searched = search_other_solutions(STRUCTURE, JOINT, PULL, parted, starts=1, **DAMPING)
+    assert searched.other_solutions is not None
+    assert searched.other_solutions.displacement.shape[2] == 3
+    (sentence,) = searched.warnings[len(parted.warnings) :]
+    there = parted.frequency_hz[parted.point_harmonics == 3]
+    assert f"has harmonics up to 1. From {there.min():.3f} to {there.max():.3f} Hz the curve has more" in sentence
+    printed_sentence(sentence, numbers=False)
+
+
+@pytest.mark.slow
+def test_points_are_checked_with_twice_their_own_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of the curve keep its samples though a part with more harmonics has more."""
+    checked: set[tuple[int, int]] = set()
+
+    def residual(fine: Balance, trial: Trial) -> float:
+        checked.add((len(trial.relative) // 2, fine.samples))
+        return 0.1 if len(trial.relative) == 3 else 0.0
+
+    monkeypatch.setattr(checks, "sample_residual", residual)
+    monkeypatch.setattr(lent_harmonics, "enough_samples", lambda harmonics, samples: 8 * samples)
+    parted = lost_at(362.0, confirms=0.0)
+    assert checked == {(1, 128), (3, 1024)}
+    assert (parted.samples, parted.settings["samples"]) == (512, 64)
+    assert "with 128 instead of 64 samples" in " ".join(parted.warnings)

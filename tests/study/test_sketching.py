@@ -22,7 +22,7 @@ from stickslip.results.sketch import Sketch
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.superelement import Superelement
 from stickslip.study import sketching
-from stickslip.study.sketching import make_sketch, motion_at_peak
+from stickslip.study.sketching import MeshMotion, make_sketch, motion_at_peak
 from sweep_cases import COARSE_MESH
 
 TETRAHEDRA = EXAMPLE.parent / "two_blades_gmsh" / "study.toml"
@@ -182,3 +182,11 @@ def test_a_large_mesh_is_drawn_coarser(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(coarse.sides) <= 300 < coarse.mesh_sides == len(whole.sides)
     assert set(coarse.face) == {-1, 0, 1}
     assert coarse.held.any()
+
+
+@pytest.mark.parametrize(("columns", "kept"), [((), 1), ((0,), 1), ((1,), 3), ((2,), 3), ((0, 3), 5), ((6,), 7)])
+def test_a_motion_has_coefficients_up_to_its_highest_harmonic(columns: tuple[int, ...], kept: int) -> None:
+    displacement = np.zeros((6, 7))
+    displacement[4, list(columns)] = -1.0
+    motion = MeshMotion(displacement, 100.0)
+    np.testing.assert_array_equal(motion.own_coefficients, displacement[:, :kept])

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -12,15 +14,18 @@ import stickslip as ss
 from law_studies import REST, interface_text, write_masses, write_study
 from sentences import rejects
 from stickslip.case.case import Case
-from stickslip.core.errors import StudyFileError
+from stickslip.core.errors import ConvergenceError, StudyFileError
+from stickslip.core.progress import SilentProgress
 from stickslip.model.model import load_joint, set_up
 from stickslip.results.storage import load_results
 from stickslip.results.tables import study_tables
 from stickslip.study import analyses
 from stickslip.study import run as study
+from stickslip.study import wear as wear_module
 from stickslip.study.check import check
 from stickslip.study.wear import energy_coefficients
 from sweep_cases import quick_case
+from synthetic import synthetic_response
 
 WEAR: dict[str, Any] = {
     "analysis.kind": "wear",
@@ -69,6 +74,36 @@ def test_archard_is_divided_by_the_friction_coefficient() -> None:
     energy = {"analysis.wear_coefficient": None, "analysis.energy_wear_coefficient": "3e-5 mm^3/J"}
     same = case.replace(energy)
     assert energy_coefficients(same.analysis, joint) == pytest.approx(np.full(joint.preload.size, 3e-14))  # type: ignore[arg-type]
+
+
+def test_it_has_the_harmonics_and_samples_of_its_place_on_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A piece of a curve may have more harmonics than the study; the wear has them only where it acts there."""
+    given: list[tuple[int, int]] = []
+
+    def wear(*arguments: Any, **options: Any) -> Any:
+        given.append((options["harmonics"], options["samples"]))
+        raise ConvergenceError("not solved")
+
+    monkeypatch.setattr(wear_module, "unreported_wear", wear)
+    response = synthetic_response(columns=4, rows=3, n_points=20)
+    row = np.eye(response.n_unknowns)[0]
+    model = SimpleNamespace(
+        superelement=None, pairs=None, excitation=None, outputs={"tip": row},
+        joint=SimpleNamespace(face_pairs=SimpleNamespace(area=None), friction_coefficient=np.ones(1)),
+    )  # fmt: skip
+    monkeypatch.setattr(wear_module, "worn_faces", lambda *arguments: None)
+    top = int(response.amplitude(row).argmax())
+    hertz = response.frequency_hz
+    window = {"solver.frequency_start": float(hertz.min()), "solver.frequency_stop": float(hertz.max())}
+    at_peak = quick_case().replace(WEAR | window)
+    beside = at_peak.replace({"analysis.wear_frequency": float(hertz[top - 3])})
+    numbers = np.ones(response.n_points, dtype=int)
+    numbers[top] = response.harmonics
+    lent = replace(response, point_harmonics=numbers, settings=response.settings | {"harmonics": 1, "samples": 16})
+    for case in (at_peak, beside):
+        with pytest.raises(ConvergenceError):
+            wear_module.wear_of_study(case, cast(Any, model), lent, SilentProgress(), 1)
+    assert given == [(response.harmonics, response.samples), (1, 16)]
 
 
 @pytest.mark.slow

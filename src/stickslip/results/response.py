@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, ClassVar, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.core.resolution import Resolution
 from stickslip.core.validation import FloatArray, require_choice
 from stickslip.results.curve_figure import OTHER_CURVES, STIFFNESS_CURVES, TRACTION_CURVES, AmplitudeCurve
 from stickslip.results.linear_curves import points_between
@@ -202,6 +203,20 @@ class ForcedResponse(ResponseData):
     def harmonics_at(self, points: Sequence[int]) -> int:
         """The most harmonics that some points have, numbers from 0."""
         return self.harmonics if self.point_harmonics is None else int(self.point_harmonics[list(points)].max())
+
+    def resolution_at(self, points: Sequence[int] = ()) -> Resolution:
+        """The harmonics and samples with which another analysis of the same structure is solved.
+
+        Those that the curve was asked for. Where one of the ``points``, numbers from 0, about which the analysis is has
+        more of them, because the own ones have no motion there, it is those of the point. With an accuracy it is the
+        most harmonics of the curve, for it does not say how many the other analysis needs.
+        """
+        widest = Resolution(self.harmonics, self.samples)
+        if self.point_harmonics is None or self.estimated_error is not None:
+            return widest
+        own = Resolution(int(self.settings["harmonics"]), int(self.settings["samples"]))
+        most = self.harmonics_at(points) if len(points) else own.harmonics
+        return own if most <= own.harmonics else Resolution(most, self.samples)
 
     def slow_sweeps(self, output: ArrayLike) -> tuple[SlowSweep, SlowSweep]:
         """What a slow sweep up and a slow sweep down see of the curve, with the peaks of an output (n,).

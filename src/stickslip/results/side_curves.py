@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -123,6 +124,11 @@ class SideCurves(Labelled):
                 f"number is {number}, but there are {self.n_curves} curves, numbered from 0.", arguments=["number"]
             )
         return np.flatnonzero(self.curve == number)
+
+    def with_harmonics(self, harmonics: int) -> Self:
+        """The same curves with coefficients of so many harmonics, zero in those that they lack."""
+        lacking = 2 * harmonics + 1 - self.displacement.shape[2]
+        return replace(self, displacement=np.pad(self.displacement, ((0, 0), (0, 0), (0, lacking))))
 
     def curves(self, output: ArrayLike, harmonic: int | None = None) -> tuple[SideCurve, ...]:
         """Every curve for an output (n,): its 0-to-peak amplitude, or that of a ``harmonic`` above 0.

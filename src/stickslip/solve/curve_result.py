@@ -8,10 +8,10 @@ from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.resolution import Resolution
 from stickslip.core.validation import FloatArray
 from stickslip.results.response import ForcedResponse
 from stickslip.results.stability import Bifurcation, BifurcationKind
@@ -22,6 +22,7 @@ from stickslip.solve.harmonic.energy import CurveMeasures, measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
 from stickslip.solve.harmonic.neglected import CurveAccuracy, more_harmonics
+from stickslip.solve.lent_harmonics import LentNumbers
 from stickslip.solve.output_maxima import AddedMaxima
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.retreats import Crossing
@@ -86,15 +87,15 @@ def response_of(
     breaks: Sequence[int] = (),
     warnings: Sequence[str] = (),
     checked_at_peak: bool = False,
-    point_harmonics: NDArray[np.int64] | None = None,
+    lent: LentNumbers | None = None,
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
     ``peaks`` is the search for peaks that the branch missed, ``added`` that for maxima of outputs; ``no_stability``
-    says why its points get no multipliers; ``accuracy`` are harmonics and errors of its points, if they differ:
-    ``balance`` then has the most of them, also with ``point_harmonics`` of a curve without an accuracy; ``breaks`` are
-    the points after which the branch is interrupted, ``warnings`` sentences on them. With ``checked_at_peak`` samples
-    and harmonics are checked at the peak, not over the whole curve.
+    says why its points get no multipliers; ``accuracy`` are harmonics and errors of its points, if they differ, and
+    ``lent`` their harmonics on a curve without an accuracy: ``balance`` then has the most of them. ``breaks`` are the
+    points after which the branch is interrupted, ``warnings`` sentences on them. With ``checked_at_peak`` samples and
+    harmonics are checked at the peak, not over the whole curve.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -103,10 +104,13 @@ def response_of(
     report.stage("energies and checks of the curve")
     trials = [point.point.trial for point in branch.points]
 
+    @cache
     def balance_of(number: int) -> Balance:
+        if lent is not None:
+            return lent.balance_of(number)
         return balance if number == harmonics else balances.with_harmonics(number)
 
-    measures = measure_curve(trials, cache(balance_of), balances.equation)
+    measures = measure_curve(trials, balance_of, balances.equation)
     converged, message = branch.complete, branch.message
     wrong = np.flatnonzero(~(measures.residual <= LARGEST_UNBALANCE))
     if wrong.size:
@@ -115,18 +119,19 @@ def response_of(
         if not end:
             raise ConvergenceError(message)
         converged, trials, measures = False, trials[:end], measures.first(end)
-    doubled = 2 * balances.samples
-    fine = balances.with_harmonics(more_harmonics(harmonics, doubled, balances.damped_harmonics), doubled)
 
+    @cache
     def with_more(number: int) -> tuple[Balance, Balance]:
-        more = more_harmonics(number, doubled, balances.damped_harmonics)
-        return balance_of(number), balances.with_harmonics(more, doubled)
+        own = balance_of(number)
+        more = more_harmonics(number, 2 * own.samples, balances.damped_harmonics)
+        return own, balances.with_harmonics(more, 2 * own.samples)
 
     check = check_resolution(
-        balance, fine, trials, accuracy,
+        balance, with_more(harmonics)[1], trials, accuracy,
         at=points_at_peak(trials) if checked_at_peak else None,
-        with_more=None if point_harmonics is None else with_more,
+        with_more=None if lent is None else with_more,
     )  # fmt: skip
+    point_harmonics = None if lent is None else lent.of_points
     if accuracy is not None:
         point_harmonics = accuracy.harmonics
     report.stage("stability of the points")
@@ -136,7 +141,8 @@ def response_of(
     report.stage("linear limits")
     linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window)
     damped, free_ratio = balances.is_damped, balances.free.damping_ratio(window)
-    notes = curve_warnings(check, balance, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
+    samples = np.array([balance_of(len(trial.amplitude) // 2).samples for trial in trials])
+    notes = curve_warnings(check, balance, samples, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
     motion, walk = balances.motion(trials, measures.displacement)
     retreats_hz, corners_hz = ([omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners))
     report.stage(f"{len(trials)} points", 1.0)
@@ -158,7 +164,7 @@ def response_of(
         pairs=balances.shown_pairs,
         linear=linear,
         force=balances.shown(_mean_force(trials, balance)).T,
-        settings=_settings(window, balances, balance, newton, check, accuracy)
+        settings=_settings(window, balances, _asked(balance, lent), newton, check, accuracy)
         | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()})
         | ({} if added is None else {"maxima_between_points": added.words()}),
         point_harmonics=None if point_harmonics is None else point_harmonics[: len(trials)],
@@ -201,6 +207,8 @@ def _stability(
     if reason:
         return None, reason
     ends = [0, *(each + 1 for each in breaks), len(trials)]
+    # Corrections with more harmonics need the samples that resolve the most harmonics of the curve.
+    balances = balances.with_samples(balance.samples)
     parts = [balances.stability(trials[i:j], balance.pairs) for i, j in itertools.pairwise(ends)]
     stability = CurveStability.joined(parts)
     unstable = int((~stability.stable).sum())
@@ -278,10 +286,15 @@ def _mean_force(trials: list[Trial], balance: Balance) -> FloatArray:
     return balance.force.coefficients(0.5 * (min(omega) + max(omega)))
 
 
+def _asked(balance: Balance, lent: LentNumbers | None) -> Resolution:
+    """The harmonics and samples that a curve was asked for; with an accuracy those of the ``balance`` with most."""
+    return Resolution(balance.harmonics, balance.samples) if lent is None else Resolution(lent.own, lent.samples)
+
+
 def _settings(
     window: tuple[float, float],
     balances: CurveBalances,
-    balance: Balance,
+    asked: Resolution,
     newton: NewtonSettings,
     check: ResolutionCheck,
     accuracy: CurveAccuracy | None,
@@ -289,8 +302,8 @@ def _settings(
     settings: dict[str, str | float | int] = {
         "frequency_start_hz": window[0],
         "frequency_stop_hz": window[1],
-        "harmonics": balance.harmonics,
-        "samples": balance.samples,
+        "harmonics": asked.harmonics,
+        "samples": asked.samples,
         "update": balances.update,
         "excitation": balances.excitation.describe(),
         "newton_tolerance": newton.tolerance,

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
@@ -29,7 +29,7 @@ from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
 from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy, VaryingPoint
-from stickslip.solve.lent_harmonics import LentHarmonics
+from stickslip.solve.lent_harmonics import LentHarmonics, LentNumbers
 from stickslip.solve.output_maxima import AddedMaxima, OutputMaxima, output_rows
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -206,17 +206,17 @@ def unreported_response(
             added: AddedMaxima,
             reached: CurveAccuracy | None = None,
             begin: Callable[[BalancePointT], None] = lambda point: None,
-            point_harmonics: NDArray[np.int64] | None = None,
+            lent: LentNumbers | None = None,
         ) -> ForcedResponse:
             peaks = None
             if checks:
                 report.stage("search for missed peaks")
                 peaks = search_missed_peaks(solver, [each.point for each in curve.points], resonances.seen, begin)
             return response_of(
-                curve, balances.with_samples(balance.samples), balance, window, newton, how, report,
+                curve, balances, balance, window, newton, how, report,
                 peaks=peaks, added=added, accuracy=reached,
                 no_stability="" if checks else NO_CHECKS,
-                breaks=curve.breaks, warnings=curve.warnings, point_harmonics=point_harmonics,
+                breaks=curve.breaks, warnings=curve.warnings, lent=lent,
                 checked_at_peak=few_digits,
             )  # fmt: skip
 
@@ -236,9 +236,8 @@ def unreported_response(
                 mixed.points = lent.lifted(pieces.points)
                 mixed.warnings.append(lent.warning(mixed.points))
                 added = OutputMaxima(lent.newton, balances, rows, width, work, lent.begin).add(mixed)
-                numbers = np.array([each.point.harmonics for each in mixed.points])
-                widest = lent.widest(mixed.points)
-                response = finished(mixed, lent.newton, widest, added, begin=lent.begin, point_harmonics=numbers)
+                widest, numbers = lent.widest(mixed.points), lent.numbers(mixed.points)
+                response = finished(mixed, lent.newton, widest, added, begin=lent.begin, lent=numbers)
             else:
                 added = OutputMaxima(solver, balances, rows, width, work).add(pieces)
                 response = finished(pieces, solver, curve.balance, added)
@@ -267,11 +266,13 @@ def unreported_response(
             widest, reached = varying.widest(accurate_points), varying.reached(accurate_points)
             response = finished(accurate, varying.newton, widest, added, reached)
         if band_output is not None:
+            resolution = response.resolution_at([int(response.amplitude(band_output).argmax())])
             search = TractionBandSearch(
-                balances.of_structure(), response.harmonics, resonances, window_omega, band_output, newton, settings,
-                report, traction_starts,
+                balances.of_structure().with_samples(resolution.samples), resolution.harmonics, resonances,
+                window_omega, band_output, newton, settings, report, traction_starts,
             )  # fmt: skip
-            response = replace(response, traction_band=search.band(points))
+            band = search.band(points)
+            response = replace(response, traction_band=band and band.with_harmonics(response.harmonics))
             response = replace(response, warnings=(*response.warnings, *search.warnings))
     cost = {"solve_seconds": f"{time.perf_counter() - began:.2f}", "solve_work": f"{work.total:.0f} iterations"}
     return replace(response, warnings=motions.sentences + response.warnings, provenance=response.provenance | cost)

@@ -8,9 +8,11 @@ motion with as many harmonics as give it, and returns to its own number at the f
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance
@@ -32,6 +34,19 @@ FIRST_WAIT = 4
 # chosen: the own number confirms a motion if it changes the relative displacements by no more than this fraction, and
 # is tried where its neglected harmonics are no larger.
 SAME = 0.05
+
+
+@dataclass(frozen=True)
+class LentNumbers:
+    """The harmonics of points (n,), some with more than the curve, which was asked for ``own`` ones and ``samples``.
+
+    ``balance_of`` gives the balance of the points with a number of harmonics.
+    """
+
+    of_points: NDArray[np.int64]
+    own: int
+    samples: int
+    balance_of: Callable[[int], Balance]
 
 
 class LentHarmonics:
@@ -97,6 +112,11 @@ class LentHarmonics:
     def widest(self, points: Sequence[BranchPoint[VaryingPoint]]) -> Balance:
         """The balance with most harmonics of some points."""
         return self._balance_of(max(harmonics_of(each.point) for each in points))
+
+    def numbers(self, points: Sequence[BranchPoint[VaryingPoint]]) -> LentNumbers:
+        """The harmonics of points."""
+        of_points = np.array([harmonics_of(each.point) for each in points])
+        return LentNumbers(of_points, self._own, self._balances.samples, self._balance_of)
 
     def warning(self, points: Sequence[BranchPoint[VaryingPoint]]) -> str:
         """Where the curve has more harmonics, and why."""

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import InputError
+from stickslip.core.fourier import with_rows
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray, whole_number
@@ -79,7 +80,8 @@ def search_other_solutions(
     superelement, pairs, excitation, modal_damping_ratio:
         those of the response; the excitation may be an array of ``force_cos``, (n,) or (n, n_harmonics).
     response:
-        a curve of :func:`forced_response`, whose harmonics, samples and update this takes.
+        a curve of :func:`forced_response`, whose harmonics, samples and update this takes; not those of a piece that
+        has more of them (a warning gives its range).
     starts, seed:
         number of frequencies with a random state each, 0 or above, and seed of their random numbers.
     newton, continuation, threads, progress:
@@ -112,15 +114,28 @@ def search_other_solutions(
             "excitation, of forced_response.",
             arguments=["response"],
         )
-    report, count = StageReport(progress), thread_count(threads)
+    report, count, resolution = StageReport(progress), thread_count(threads), response.resolution_at()
     with solver_threads(3 * pairs.n_pairs, count):
         balances = prepare_balances(
-            superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), response.harmonics,
-            response.samples, modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,
+            superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), resolution.harmonics,
+            resolution.samples, modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,
         )  # fmt: skip
         search = _Search(balances, response, newton or NewtonSettings(), continuation or ContinuationSettings(), report)
         others = search.run(starts, seed)
-    return replace(response, other_solutions=others)
+    return replace(response, other_solutions=others, warnings=response.warnings + _lacking(response))
+
+
+def _lacking(response: ForcedResponse) -> tuple[str, ...]:
+    """A warning where the curve has more harmonics than the search."""
+    own = response.resolution_at().harmonics
+    more = np.zeros(0) if response.point_harmonics is None else response.frequency_hz[response.point_harmonics > own]
+    if not more.size:
+        return ()
+    return (
+        f"The search for other solutions has harmonics up to {own}. From {more.min():.3f} to {more.max():.3f} Hz the "
+        "curve has more, because its motion requires them: there the search can miss motions, and one that it finds "
+        f"can be that of the curve, or one of the equations with harmonics up to {own} only.",
+    )
 
 
 @dataclass(frozen=True)
@@ -144,14 +159,17 @@ class _Search:
         report: StageReport,
     ) -> None:
         self._balances, self._continuation, self._report = balances, continuation, report
-        self._balance, self._in_time = balances.with_harmonics(response.harmonics), balances.in_time()
+        self._balance, self._in_time = balances.with_harmonics(response.resolution_at().harmonics), balances.in_time()
         self._curve = FrequencyCurve(self._balance)
         self._newton = Newton(self._curve, newton, report.iteration)
         self._resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
         omega = 2.0 * np.pi * response.frequency_hz
         relative = (balances.pairs.operator @ response.displacement).transpose(0, 2, 1)
         relative[:, 0] += [response.pair_way(point).ravel() for point in range(omega.size)]
-        self._points = [self._curve.at(each, float(at)) for each, at in zip(relative, omega, strict=True)]
+        rows = 2 * self._balance.harmonics + 1
+        self._points = [
+            self._curve.at(with_rows(each, rows), float(at)) for each, at in zip(relative, omega, strict=True)
+        ]
         self._range = float(omega.min()), float(omega.max())
         self._followed: list[_Followed] = []
         self._known = [self._as_known(self._points)]  # the computed curve, then those that were followed

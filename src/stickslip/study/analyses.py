@@ -240,7 +240,7 @@ def _wear(case: Case, model: ReducedModel, listener: Progress, threads: int | No
     worn_faces(case, model.joint)
     response = forced_curve(case, model, listener, threads)
     try:
-        worn = wear_of_study(case, model, response.harmonics, listener, threads)
+        worn = wear_of_study(case, model, response, listener, threads)
     except ConvergenceError as error:  # the response is a result without it
         return replace(response, warnings=(*response.warnings, f"The wear was not computed: {error}"))
     return replace(response, wear=worn)

@@ -28,7 +28,7 @@ def with_mistuning(
         return response
     result = _linear(case, model, response, progress)
     if case.mistuning.friction_curve:
-        result = _with_friction(case, model, result, response.harmonics, progress, threads)
+        result = _with_friction(case, model, result, response.resolution_at().harmonics, progress, threads)
         tuned = response.amplitude(next(iter(model.outputs.values())))
         disks = {"mistuned": result.ring_amplitude, "tuned": tuned[:, None]}
         ends = [name for name, each in disks.items() if each is not None and is_highest_at_end(each)]

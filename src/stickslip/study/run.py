@@ -152,8 +152,9 @@ def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> I
         yield write_mode_shapes(out / MODES_FILE, mesh, modes, frequency_hz)
     if case.output.deflected_shape_frames:
         # an accuracy determines the harmonics only while the curve is solved
-        frames = max(case.output.deflected_shape_frames, motion.displacement.shape[-1])
-        yield write_deflected_period(out / PERIOD_FILE, mesh, motion.displacement, frames)
+        coefficients = motion.own_coefficients
+        frames = max(case.output.deflected_shape_frames, coefficients.shape[-1])
+        yield write_deflected_period(out / PERIOD_FILE, mesh, coefficients, frames)
 
 
 def _stress(out: Path, stress: StressAtPeak | None) -> Iterator[Path]:

@@ -39,6 +39,13 @@ class MeshMotion:
     displacement: FloatArray
     frequency_hz: float
 
+    @property
+    def own_coefficients(self) -> FloatArray:
+        """The displacements up to the highest harmonic of the motion; those that only other points of its curve have
+        are zero."""
+        highest = (int(np.flatnonzero(self.displacement.any(axis=0)).max(initial=0)) + 1) // 2
+        return self.displacement[:, : 2 * highest + 1]
+
 
 def motion_at_peak(model: Model, response: ForcedResponse, disk: DiskOfStudy | None = None) -> MeshMotion | None:
     """Motion of the mesh at the highest point of the curve of the first response; None for matrices without a mesh.

@@ -61,14 +61,14 @@ def with_stiffness_band(
         curves[factor] = curve
         if not curve.converged:
             warnings.append(f"The curve with {FACTORS[factor]} is not complete: {curve.message}")
-    band = _stored(curves, 2 * response.harmonics + 1) if curves else None
+    band = _stored(curves).with_harmonics(response.harmonics) if curves else None
     return replace(response, stiffness_band=band, warnings=tuple(warnings))
 
 
 def _with_stiffness(
     case: Case, model: ReducedModel, response: ForcedResponse, factor: float
 ) -> tuple[Case, ReducedModel]:
-    """The case with ``factor`` times the stiffness of its rough faces, with the harmonics that its peak has, and its
+    """The case with ``factor`` times the stiffness of its rough faces, with harmonics and samples of its peak, and its
     model. Raises InputError, RoughnessError, ConvergenceError."""
     highest = int(response.amplitude(next(iter(model.outputs.values()))).argmax())
     changed = case.replace(
@@ -76,14 +76,16 @@ def _with_stiffness(
             KEY: factor * roughness_section(case).stiffness_factor,
             "solver.accuracy": None,
             "solver.harmonics": response.harmonics_at([highest]),
+            "solver.samples": response.resolution_at([highest]).samples,
             "solver.tolerance": max(TOLERANCE, case.solver.tolerance),
         }
     ).model_copy(update={"analysis": ForcedAnalysis()})
     return changed, connect(changed, model.reduced, load_joint(changed, model.joint.layout))
 
 
-def _stored(curves: dict[float, ForcedResponse], width: int) -> StiffnessBand:
-    """The curves as a result, with ``width`` coefficients; those of harmonics beyond their own are zero."""
+def _stored(curves: dict[float, ForcedResponse]) -> StiffnessBand:
+    """The curves as a result, with the most harmonics of a curve; those that another lacks are zero."""
+    width = max(each.displacement.shape[2] for each in curves.values())
     padded = [
         np.pad(each.displacement, ((0, 0), (0, 0), (0, width - each.displacement.shape[2]))) for each in curves.values()
     ]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from stickslip.case.analysis import WearAnalysis
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
@@ -13,6 +15,7 @@ from stickslip.model.joint import Joint
 from stickslip.model.model import ReducedModel, kind_of
 from stickslip.model.worn_faces import RunningIn, WornFaces
 from stickslip.results.record import run_provenance
+from stickslip.results.response import ForcedResponse
 from stickslip.results.wear import Wear
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.wear.wear import DEFAULT_ACCURACY, unreported_wear
@@ -51,27 +54,37 @@ def energy_coefficients(analysis: WearAnalysis, joint: Joint) -> FloatArray:
     return analysis.energy_wear_coefficient + 0.0 * joint.friction_coefficient
 
 
-def wear_of_study(case: Case, model: ReducedModel, harmonics: int, progress: Progress, threads: int | None) -> Wear:
+def wear_of_study(
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int | None
+) -> Wear:
     """The wear of the joint at the highest peak of the first output, or at a frequency of the study.
+
+    It has the harmonics and samples of the study, or those of the ``response`` there if they are more.
 
     Raises InputError for a joint that cannot wear, ConvergenceError without a motion before the wear.
     """
     analysis, settings, faces = case.analysis, case.solver, worn_faces(case, model.joint)
     assert isinstance(analysis, WearAnalysis)
     window = settings.frequency_start, settings.frequency_stop
+    output, hertz = next(iter(model.outputs.values())), response.frequency_hz
+    if analysis.wear_frequency is None:
+        place = response.amplitude(output).argmax()
+    else:
+        place = np.abs(hertz - analysis.wear_frequency).argmin()
+    resolution = response.resolution_at([int(place)])
     result = unreported_wear(
         model.superelement,
         model.pairs,
         model.excitation,
-        next(iter(model.outputs.values())),
+        output,
         area=model.joint.face_pairs.area,
         energy_wear_coefficient=energy_coefficients(analysis, model.joint),
         cycles=analysis.wear_cycles,
         frequency_hz=window if analysis.wear_frequency is None else analysis.wear_frequency,
         accuracy=DEFAULT_ACCURACY,
         stiffness=None if faces is None else faces.stiffness,
-        harmonics=harmonics,
-        samples=settings.samples,
+        harmonics=resolution.harmonics,
+        samples=resolution.samples,
         modal_damping_ratio=case.damping.modal_damping_ratio,
         update=settings.update,
         newton=NewtonSettings(tolerance=settings.tolerance),

@@ -326,3 +326,17 @@ def test_bad_input_gets_a_sentence(change: dict[str, object], keys: tuple[str, .
 def test_a_point_beyond_the_curve_gets_a_sentence(balance: ForcedResponse) -> None:
     with rejects(InputError, "point"):
         start_from_response(balance, balance.frequency_hz.size)
+
+
+def test_the_position_of_a_body_far_away_does_not_hide_that_a_motion_has_not_settled() -> None:
+    """Damper 102 of the torture set ends 208 m from its place, and its time integration seemed to settle at once."""
+    structure = Superelement(np.eye(4), np.diag([0.0, 0.0, 0.0, 1e6]), np.diag([0.0, 0.0, 0.0, 1.0]))
+    pairs = ContactPairs(np.eye(4)[:3], 1e6, 1e6, 0.3, -1.0)  # with a gap: no force at rest
+    far = np.array([0.0, 0.0, -1e3, 0.0])  # open
+    force = np.array([0.0, 0.0, 0.0, 1.0])
+    motion = integrate_to_steady_state(
+        structure, pairs, force, 0.0 * force, 150.0, steps_per_period=64, max_periods=20, tolerance=1e-5,
+        initial_displacement=far,
+    )  # fmt: skip
+    assert not motion.converged
+    assert motion.period_change[-1] > 0.1

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.fourier import with_rows
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray, finite_array, whole_number
@@ -202,7 +203,8 @@ def peak_gradients(
     superelement, pairs, excitation, modal_damping_ratio:
         those of the response; the excitation may be an array of ``force_cos``, (n,) or (n, n_harmonics).
     response:
-        a curve of :func:`forced_response`, whose harmonics and update this uses.
+        a curve of :func:`forced_response`, whose harmonics (those at the peak, where a piece of it has more) and update
+        this uses.
     output:
         (n,) row, whose peak is differentiated.
     peak:
@@ -230,18 +232,19 @@ def peak_gradients(
     force = as_excitation(excitation, None, None)
     _require_own(superelement, pairs, response, row)
     top = _chosen_peak(response, row, peak)
-    count = max(LEAST_SAMPLES, response.samples) if samples is None else whole_number("samples", samples, 1)
+    resolution = response.resolution_at(range(top.point - 1, top.point + 2))
+    count = max(LEAST_SAMPLES, resolution.samples) if samples is None else whole_number("samples", samples, 1)
     report, cores = StageReport(progress), thread_count(threads)
     base = SolverInput(superelement, pairs, force, row, modal_damping_ratio)
     chosen = parameters_of(base) if parameters is None else tuple(parameters)
     with solver_threads(3 * pairs.n_pairs, cores):
         balances = prepare_balances(
-            superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), response.harmonics, count,
+            superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), resolution.harmonics, count,
             modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,
         )  # fmt: skip
         require_no_gyroscopic(superelement, "the gradient of a peak")
         report.stage("refinement of the peak", 0.1)
-        balance = balances.exact(response.harmonics, count)
+        balance = balances.exact(resolution.harmonics, count)
         refined = RefinedPeak.of(balance, row, _around(balance, response, top))
         _require_no_walk(balances, refined)
         report.stage("adjoint solutions at the peak", 0.3)
@@ -300,7 +303,7 @@ def _around(balance: Balance, response: ForcedResponse, peak: Peak) -> list[Bala
     """The computed points around a peak."""
     curve, points = FrequencyCurve(balance), []
     for point in range(peak.point - 1, peak.point + 2):
-        relative = (balance.pairs.operator @ response.displacement[point]).T
+        relative = with_rows((balance.pairs.operator @ response.displacement[point]).T, 2 * balance.harmonics + 1)
         relative[0] += response.pair_way(point).ravel()
         points.append(curve.at(relative, 2.0 * np.pi * float(response.frequency_hz[point])))
     return points

@@ -40,7 +40,9 @@ class ResolutionCheck:
     limited:
         whether the limit of the work, not that of the samples, stopped the harmonics at some point.
     harmonics_there:
-        harmonics of the point with the largest neglected error, if they may differ from point to point.
+        harmonics of the point with the largest neglected error, None with an accuracy.
+    samples_there:
+        samples of the point with the largest residual; points with more harmonics may have more.
     """
 
     sample_residual: float
@@ -51,17 +53,18 @@ class ResolutionCheck:
     accuracy: float | None = None
     limited: bool = False
     harmonics_there: int | None = None
+    samples_there: int | None = None
 
     def warnings(self, harmonics: int, samples: int) -> tuple[str, ...]:
         """A warning for each number above its limit."""
-        sentences = []
+        sentences, sampled = [], self.samples_there or samples
         largest_residual = min(LARGEST_SAMPLE_RESIDUAL, self.accuracy or LARGEST_SAMPLE_RESIDUAL)
         if self.sample_residual > largest_residual:
             sentences.append(
-                f"Too few samples: with {2 * samples} instead of {samples} samples the residual is "
+                f"Too few samples: with {2 * sampled} instead of {sampled} samples the residual is "
                 f"{100 * self.sample_residual:.2f} % of the relative displacement at "
                 f"{self.sample_omega / (2 * np.pi):.2f} Hz (required: below {100 * largest_residual:.3g} %). "
-                f"Run again with samples = {2 * samples}."
+                f"Run again with samples = {2 * sampled}."
             )
         there = self.harmonics_there or harmonics
         where = f"{self.neglected_omega / (2.0 * np.pi):.2f} Hz"
@@ -101,9 +104,9 @@ class ResolutionCheck:
 
 
 def normal_work_warnings(
-    omega: FloatArray, normal_work: FloatArray, input_energy: FloatArray, samples: int
+    omega: FloatArray, normal_work: FloatArray, input_energy: FloatArray, samples: NDArray[np.int64]
 ) -> tuple[str, ...]:
-    """A warning where the sampled normal forces do work; arrays (n_points,), rad/s and J per cycle.
+    """A warning where the sampled normal forces do work; arrays (n_points,), rad/s, J per cycle and samples.
 
     A normal force that depends on the closing alone does no work. For a pair that closes only for a few samples the
     sampled work is not zero: an energy source or sink that the joint does not have. The relative error of the amplitude
@@ -118,7 +121,7 @@ def normal_work_warnings(
     return (
         f"Too few samples: the normal forces of the pairs {verb} {100 * share[worst]:.1f} % of the energy of the "
         f"excitation at {omega[worst] / (2 * np.pi):.2f} Hz (required: below {100 * LARGEST_NORMAL_WORK:.0f} %), "
-        f"because some are closed for a few samples of the period only. Run again with samples = {2 * samples}.",
+        f"because some are closed for a few samples of the period only. Run again with samples = {2 * samples[worst]}.",
     )
 
 
@@ -137,16 +140,18 @@ def check_resolution(
 
     ``balance`` is that of the trials; ``fine`` the same with more harmonics and twice the samples. With a wanted
     accuracy, where trials have different numbers of harmonics, the points have ``reached`` estimated errors. Without
-    one ``with_more`` gives both balances for a number of harmonics, if trials have different numbers.
+    one ``with_more`` gives both balances for a number of harmonics, if trials have different numbers (and samples).
     """
     size = [float(np.linalg.norm(trial.relative[1:])) for trial in trials]
     highest = int(np.argmax(size))
     spread = np.linspace(0, len(trials) - 1, min(limit, len(trials))).round().astype(int)
     chosen = sorted({*spread.tolist(), highest} if at is None else set(at))
-    samples = np.array([sample_residual(fine, trials[i]) for i in chosen])
+    with_more = with_more or (lambda number: (balance, fine))
+    both = [with_more(_harmonics(trials[i])) for i in chosen]
+    samples = np.array([sample_residual(more, trials[i]) for i, (_, more) in zip(chosen, both, strict=True)])
     if reached is None:
         places = _estimated(trials, highest) if at is None else chosen
-        errors = _estimated_errors(with_more or (lambda number: (balance, fine)), trials, places)
+        errors = _estimated_errors(with_more, trials, places)
     else:
         errors = dict(enumerate(reached.errors[: len(trials)].tolist()))
     worst = max(errors, key=lambda i: errors[i])
@@ -162,8 +167,13 @@ def check_resolution(
         max(valid) if valid else None,
         None if reached is None else reached.accuracy,
         reached is not None and reached.limited,
-        None if with_more is None else len(trials[worst].amplitude) // 2,
+        None if reached is not None else _harmonics(trials[worst]),
+        both[sample][0].samples,
     )
+
+
+def _harmonics(trial: Trial) -> int:
+    return len(trial.amplitude) // 2
 
 
 def points_at_peak(trials: Sequence[Trial]) -> list[int]:
@@ -190,7 +200,7 @@ def _estimated_errors(
         errors[i] = 0.0
         if not trials[i].contact.moves.any():
             continue
-        own, fine = with_more(len(trials[i].amplitude) // 2)
+        own, fine = with_more(_harmonics(trials[i]))
         more = fine
         if own.samples > 2 * fine.harmonics:
             more = Balance(fine.compliance, fine.pairs, fine.force, own.samples)

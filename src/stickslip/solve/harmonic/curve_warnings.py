@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
@@ -31,16 +32,18 @@ SMALLEST_FOLD = 1e-4
 def curve_warnings(
     check: ResolutionCheck,
     balance: Balance,
+    samples: NDArray[np.int64],
     trials: list[Trial],
     measures: CurveMeasures,
     damped: bool,
     free_ratio: float | None,
     wanted_ratio: float | None,
 ) -> tuple[str, ...]:
-    """All warnings on a curve."""
+    """All warnings on a curve; ``balance`` is that of its point with most harmonics, ``samples`` (n,) are those of each
+    point."""
     sentences = [
         *check.warnings(balance.harmonics, balance.samples),
-        *motion_warnings(balance, trials, measures),
+        *motion_warnings(balance, samples, trials, measures),
     ]
     if not damped:
         sentences.append(
@@ -55,11 +58,14 @@ def curve_warnings(
     return (*sentences, *_folds(trials))
 
 
-def motion_warnings(balance: Balance, trials: Sequence[Trial], measures: CurveMeasures) -> tuple[str, ...]:
-    """Warnings on the motions of a curve: work of normal forces, sliders, residuals, drift and walk."""
+def motion_warnings(
+    balance: Balance, samples: NDArray[np.int64], trials: Sequence[Trial], measures: CurveMeasures
+) -> tuple[str, ...]:
+    """Warnings on the motions of a curve with ``samples`` (n,): work of normal forces, sliders, residuals, drift and
+    walk."""
     omega = np.array([trial.omega for trial in trials])
     work = measures.normal_work.sum(axis=1)
-    sentences = list(normal_work_warnings(omega, work, measures.input_energy, balance.samples))
+    sentences = list(normal_work_warnings(omega, work, measures.input_energy, samples))
     closure = max(float(trial.contact.closure.max()) for trial in trials)
     if closure > LARGEST_CLOSURE:
         sentences.append(

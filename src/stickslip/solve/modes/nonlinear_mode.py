@@ -270,7 +270,7 @@ def _result(
         converged=complete,
         message=_words(complete, message, start.limit),
         warnings=(
-            *motion_warnings(balance, trials, measures),
+            *motion_warnings(balance, np.full(len(trials), balance.samples), trials, measures),
             *sample_warnings(points, curve, fine),
             *doubts,
             *exchange_warnings(macs, frequency_hz, linear_hz, start.number, start.limit),

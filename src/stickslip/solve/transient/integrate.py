@@ -52,9 +52,9 @@ class TransientResponse:
         (n_pairs,) J, the work of the contact force on the relative motion over the period, by the trapezoidal rule.
         Elastic forces give back what they took once the period closes.
     period_change:
-        (n_periods,) change of the motion from each period to the next, relative, in the strain-energy norm of the stuck
-        structure. With a decay factor r per period the distance to the steady state is about r / (1 - r) times the
-        last entry.
+        (n_periods,) change of the motion from each period to the next, over its vibration about the mean, in the
+        strain-energy norm of the stuck structure. With a decay factor r per period the distance to the steady state is
+        about r / (1 - r) times the last entry.
     period_starts:
         (n_periods, n) m, displacement at the start of each period.
     converged, message:
@@ -105,9 +105,13 @@ def _periodic_load(force_cos: ArrayLike, force_sin: ArrayLike, n: int, steps_per
 
 
 def _relative_change(motion: FloatArray, previous: FloatArray, stiffness: FloatArray) -> float:
-    """Strain energy of ``motion - previous`` over that of ``motion`` (both (n_steps, n)), as a ratio of amplitudes."""
-    difference = motion - previous
-    energy = float(np.sum(motion * (motion @ stiffness)))
+    """Strain energy of ``motion - previous`` over that of the vibration in ``motion``, both (n_steps, n), as a ratio
+    of amplitudes.
+
+    The mean does not count: a body that has walked far from its place would hide every change of its vibration.
+    """
+    difference, vibration = motion - previous, motion - motion.mean(axis=0)
+    energy = float(np.sum(vibration * (vibration @ stiffness)))
     return float(np.sqrt(abs(np.sum(difference * (difference @ stiffness))) / energy)) if energy > 0.0 else 0.0
 
 
