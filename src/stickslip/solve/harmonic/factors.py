@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs  # small systems: scipy's own calls around them cost as much again
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.gmres import gmres
 
 Product = Callable[[FloatArray], FloatArray]
 
@@ -110,22 +110,5 @@ def iterated(
     An ``inverse`` acts first on the unknowns, so that the tolerance remains that of the system.
     """
     product = apply if inverse is None else lambda vector: apply(inverse(vector))
-    answer, failure = gmres(
-        _Matrix(right.size, product), right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=1
-    )
-    if failure:
-        return None
-    return np.asarray(answer if inverse is None else inverse(answer))
-
-
-class _Matrix(LinearOperator):  # type: ignore[misc]
-    """A square matrix as a function of a vector, without the checks of shapes that scipy makes in each product."""
-
-    def __init__(self, size: int, apply: Product) -> None:
-        super().__init__(np.dtype(float), (size, size))
-        self._apply = apply
-
-    def _matvec(self, x: FloatArray) -> FloatArray:
-        return self._apply(x)
-
-    matvec = _matvec
+    answer = gmres(product, right, tolerance, iterations)
+    return answer if answer is None or inverse is None else np.asarray(inverse(answer))
