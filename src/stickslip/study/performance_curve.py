@@ -17,13 +17,11 @@ from stickslip.case.two_blade_sections import ROTATING
 from stickslip.core.errors import RoughnessError, StickslipError
 from stickslip.core.fourier import with_rows
 from stickslip.core.progress import Progress
-from stickslip.core.resolution import LEAST_SAMPLES, SAMPLES_PER_HARMONIC
 from stickslip.model.model import ReducedModel, load_joint
 from stickslip.results.checked_peak import DOUBTFUL, CheckedPeak
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.ridges.ridge_check import MOST_HARMONICS as MOST_CHECKED
 from stickslip.solve.ridges.ridge_check import checked_minimum
 from stickslip.solve.ridges.ridge_map import LEAST_FRACTION, RidgeMap
 from stickslip.solve.ridges.ridge_stage import Work
@@ -128,7 +126,6 @@ def performance_curve(
         options,
         frequency_hz=(window[0] / WIDER, window[1] * WIDER),
         newton=replace(options.newton, max_iterations=MOST_ITERATIONS),
-        samples=_samples(case.solver.samples, case.solver.accuracy),
         curve_step=max(options.curve_step, min((case.solver.accuracy or 0.0) ** 0.5, CURVE_STEP)),
     )
     stages = CaseStages(family, model, report, threads, options)
@@ -167,13 +164,6 @@ def performance_curve(
             *_beginning(float(curve.start) * excitation, lowest, min(least, force)),
         ),
     )
-
-
-def _samples(samples: int, accuracy: float | None) -> int:
-    """Samples of a period: half of those of the study where its accuracy is coarser than that of doubtful points."""
-    if accuracy is None or accuracy <= DOUBTFUL:
-        return samples
-    return min(samples, max(LEAST_SAMPLES, SAMPLES_PER_HARMONIC * MOST_CHECKED, samples // 2))
 
 
 def _with_check(curve: PeakRidge, check: CheckedPeak | str | None) -> PeakRidge:
