@@ -95,11 +95,18 @@ def test_a_factor_that_is_needed_is_doubted_less_and_less_often() -> None:
     assert waits[-1] == factors.MOST_WAITS - 1
 
 
+def test_a_trial_that_fails_keeps_the_factor() -> None:
+    last = LastFactor()
+    last.store(BlockFactor([]), np.arange(3))
+    assert last.tried_without(lambda: None) is None
+    assert last.inverse(np.arange(3)) is not None
+    assert last.tried_without(lambda: np.ones(3)) is None  # not doubtful: one more use before the next trial
+
+
 def test_a_factor_that_is_not_needed_is_released() -> None:
     last = LastFactor()
     last.store(BlockFactor([]), np.arange(3))
-    assert last.is_doubtful()
-    last.was_needless()
+    assert last.tried_without(lambda: np.ones(3)) is not None
     assert last.inverse(np.arange(3)) is None
     assert not last.is_doubtful()
     last.store(BlockFactor([]), np.arange(3))  # the next one was hard again: wait longer

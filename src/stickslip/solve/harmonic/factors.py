@@ -92,6 +92,17 @@ class LastFactor:
         """Release a factor that no longer helps."""
         self._factor = self._owner = None
 
+    def tried_without(self, solve: Callable[[], FloatArray | None]) -> FloatArray | None:
+        """The answer of ``solve`` without the factor, if that is doubtful; None where it is needed, or not doubtful."""
+        if not self.is_doubtful():
+            return None
+        answer = solve()
+        if answer is None:
+            self.was_needed()
+        else:
+            self.was_needless()
+        return answer
+
     def is_doubtful(self) -> bool:
         """Whether the next system is tried without the factor: that one system was hard says little about the others.
 

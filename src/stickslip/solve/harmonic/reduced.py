@@ -286,20 +286,14 @@ class BorderedSystem:
         """
         if not right.any():
             return np.zeros_like(right)
-        if self._last.is_doubtful():
-            answer = iterated(apply, right, tolerance, TRIAL_ITERATIONS)
-            if answer is not None:
-                self._last.was_needless()
-                return answer
-            self._last.was_needed()
+        answer = self._last.tried_without(lambda: iterated(apply, right, tolerance, TRIAL_ITERATIONS))
+        if answer is not None:
+            return answer
         inverse = self._last.inverse(keys)
         low_rank = None if inverse else self._low_rank(keys.size - self.system.size)
-        if low_rank is not None:
-            answer = iterated(apply, right, tolerance, PRECONDITIONED_ITERATIONS, low_rank.solve)
-        elif inverse is None:
-            answer = iterated(apply, right, tolerance, MAX_ITERATIONS)
-        else:
-            answer = iterated(apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
+        near = inverse if low_rank is None else low_rank.solve
+        most = MAX_ITERATIONS if near is None else PRECONDITIONED_ITERATIONS
+        answer = iterated(apply, right, tolerance, most, near)
         blocks = self.system.blocks()
         if answer is not None or len(blocks) == 1:
             return answer
