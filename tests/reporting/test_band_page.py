@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -157,3 +158,20 @@ def test_the_page_in_a_browser(tmp_path: Path) -> None:
                 assert page.locator(".js-plotly-plot").count() == 5
                 page.click("#scale")
                 assert page.evaluate("document.getElementById('curves').layout.yaxis.type") == "log"
+
+
+@pytest.mark.slow
+def test_the_page_says_which_samples_were_solved_again_and_why() -> None:
+    assert "solved again" not in page_of(band_statistics(PEAKS))
+    error, samples = "the estimated error by neglected harmonics is 3.2 %", "the residual with doubled samples is 0.3 %"
+    reasons = {1: error, 4: samples, 5: f"{samples}; then {error}", 9: "The curve ends at 3 Hz."}
+    statistics = band_statistics(PEAKS)
+    rows = tuple(replace(row, solved_again=reasons.get(i, "")) for i, row in enumerate(statistics.table.rows))
+    text = html.unescape(page_of(replace(statistics, table=replace(statistics.table, rows=rows))))
+    assert (
+        "4 of 32 samples were solved again, with more samples of a period or as a single case, because the first curve "
+        "was not accurate enough: the estimated error by neglected harmonics was too large (1), the residual with "
+        "doubled samples was too large (2), the curve ended early (1). Their rows have the figures."
+    ) in text
+    assert text.count("Solved again: ") == 4
+    assert f"Solved again: {samples}; then {error}." in text

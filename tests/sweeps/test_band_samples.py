@@ -96,6 +96,34 @@ def test_a_sample_with_too_few_samples_of_a_period_is_solved_again(
     assert str(response.settings[SOLVED_AGAIN]).startswith("the residual with doubled samples is ")
 
 
+def test_where_only_the_samples_are_too_few_a_quick_curve_with_more_follows(
+    slipping: Case, whole: ForcedResponse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    quick = sample(slipping, whole.harmonics)
+    coarse = float(quick.settings["residual_with_doubled_samples"])
+    monkeypatch.setattr(analyses, "SAMPLED_SHARE", 0.7 * coarse / ACCURACY)  # that of more samples is smaller
+    response = sample(slipping, whole.harmonics)
+    assert response.settings["samples"] == 256
+    assert response.settings["newton_tolerance"] == 1e-4 * ACCURACY
+    assert float(response.settings["residual_with_doubled_samples"]) < 0.7 * coarse
+    assert response.settings[SOLVED_AGAIN] == f"the residual with doubled samples is {100.0 * coarse:.2g} %"
+    assert response.n_points < whole.n_points
+
+
+def test_the_linear_limits_of_a_sample_have_few_points_and_the_same_peaks(
+    slipping: Case, whole: ForcedResponse
+) -> None:
+    response = sample(slipping, whole.harmonics)
+    assert response.linear.frequency_hz.size < 0.5 * whole.linear.frequency_hz.size
+    for limit in ("stuck", "free"):
+        ours, other = (
+            peaks(each.linear.frequency_hz, each.linear_amplitude(OUTPUT, limit))[0] for each in (response, whole)
+        )
+        assert ours.bracketed == other.bracketed
+        assert ours.amplitude == pytest.approx(other.amplitude, rel=1e-4)
+        assert ours.frequency_hz == pytest.approx(other.frequency_hz, rel=1e-6)
+
+
 def test_a_sample_whose_quick_curve_ends_early_is_solved_again(
     slipping: Case, whole: ForcedResponse, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -63,6 +63,7 @@ def band_page(statistics: BandStatistics, title: str, inputs: StudyText, provena
         "drawn_inputs": [(place, table.keys[place].name) for place in drawn],
         "omitted_inputs": len(table.keys) - len(drawn),
         "headings": [*(_heading(statistics, i) for i in range(len(table.keys))), "Highest peak, µm", "Frequency, Hz"],
+        "solved_again": statistics.solved_again,
         "rows": [_sample_row(statistics, i) for i in range(len(table.rows))],
         "inputs": inputs,
     }
@@ -223,4 +224,6 @@ def _sample_row(statistics: BandStatistics, place: int) -> dict[str, Any]:
     row = statistics.table.rows[place]
     inputs = [key.labels[place] if key.is_choice else number(key.shown[place]) for key in statistics.table.keys]
     results = [_number(MEASURES[name], row.measures.get(MEASURES[name].column, math.nan)) for name in DRAWN_MEASURES]
-    return {"cells": [str(place + 1), *inputs, *results], "remark": peak_remark(row), "warnings": row.warnings}
+    again = f"Solved again: {row.solved_again.rstrip('.')}." if row.solved_again else ""
+    remark = " ".join(filter(None, [peak_remark(row), again]))
+    return {"cells": [str(place + 1), *inputs, *results], "remark": remark, "warnings": row.warnings}

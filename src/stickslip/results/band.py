@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.stats
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from stickslip.core.errors import InputError
 from stickslip.core.units import Quantity
@@ -217,20 +219,38 @@ def curve_band(curves: Sequence[SweepCurve]) -> CurveBand | None:
 
 
 def highest_branch(curve: SweepCurve, grid: FloatArray) -> FloatArray:
-    """(n_points,) the largest amplitude of a curve at each frequency of an ascending grid, linear between its points.
+    """(n_points,) the largest amplitude of a curve at each frequency of an ascending grid.
 
-    NaN at frequencies that the curve does not pass.
+    On the flank of a resonance the inverse of the amplitude is nearly a straight line over the frequency. It is
+    interpolated between folds by monotone cubic pieces (F. N. Fritsch and R. E. Carlson, SIAM J. Numer. Anal. 17 (1980)
+    238-246), so no value is outside of those of the two points beside it. NaN at frequencies that the curve does not
+    pass.
     """
     result = np.full(grid.size, -np.inf)
-    x, y = curve.frequency_hz, curve.amplitude_m
-    low, high = np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:])
-    first, stop = np.searchsorted(grid, low, "left"), np.searchsorted(grid, high, "right")
-    for i in np.flatnonzero((stop > first) & (curve.part[:-1] == curve.part[1:])):
-        inside = slice(first[i], stop[i])
-        if x[i] == x[i + 1]:
-            values = np.full(stop[i] - first[i], max(y[i], y[i + 1]))
-        else:
-            values = y[i] + (y[i + 1] - y[i]) * (grid[inside] - x[i]) / (x[i + 1] - x[i])
-        result[inside] = np.maximum(result[inside], values)
+    for piece in _between_folds(curve):
+        frequency, amplitude = curve.frequency_hz[piece], curve.amplitude_m[piece]
+        if frequency[0] > frequency[-1]:
+            frequency, amplitude = frequency[::-1], amplitude[::-1]
+        inside = slice(np.searchsorted(grid, frequency[0], "left"), np.searchsorted(grid, frequency[-1], "right"))
+        result[inside] = np.maximum(result[inside], _interpolated(frequency, amplitude, grid[inside]))
     result[np.isneginf(result)] = np.nan
     return result
+
+
+def _between_folds(curve: SweepCurve) -> Iterator[slice]:
+    """The pieces of a curve, with at least two points, along which its frequency changes in one direction or not."""
+    way = np.sign(np.diff(curve.frequency_hz))
+    joined = np.diff(curve.part) == 0
+    ends = np.flatnonzero((np.diff(way) != 0) | ~joined[1:] | ~joined[:-1]) + 1
+    for first, last in itertools.pairwise([0, *ends.tolist(), way.size]):
+        if first < last and joined[first]:
+            yield slice(first, last + 1)
+
+
+def _interpolated(frequency: FloatArray, amplitude: FloatArray, at: FloatArray) -> FloatArray:
+    """The amplitude at frequencies of a piece of a curve; linear between two points, and where it is zero."""
+    if frequency[0] == frequency[-1]:
+        return np.full(at.size, amplitude.max())
+    if frequency.size == 2 or not amplitude.all():
+        return np.interp(at, frequency, amplitude)
+    return np.asarray(1.0 / PchipInterpolator(frequency, 1.0 / amplitude)(at))

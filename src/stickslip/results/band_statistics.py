@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -33,6 +34,14 @@ if TYPE_CHECKING:
     import xarray
 
 _NUMBER = re.compile(r"\d[\d.,e+-]*")
+
+
+# Why a sample was solved again: beginning of its words (study/analyses.py) -> the reason without its number.
+AGAIN = {
+    "the estimated error by neglected harmonics is": "the estimated error by neglected harmonics was too large",
+    "the residual with doubled samples is": "the residual with doubled samples was too large",
+}
+EARLY = "the curve ended early"
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +144,20 @@ class BandStatistics:
                 f"{count} samples are not a power of two; low-discrepancy points are balanced best with "
                 f"{2 ** (count.bit_length() - 1)} or {2 ** count.bit_length()}."
             )
+
+    @property
+    def solved_again(self) -> str:
+        """How many samples were solved again and why, each reason without its number; "" for none."""
+        reasons = [row.solved_again for row in self.table.rows if row.solved_again]
+        if not reasons:
+            return ""
+        kinds = Counter(next((kind for kind in AGAIN if each.startswith(kind)), EARLY) for each in reasons)
+        found = ", ".join(f"{words} ({kinds[kind]})" for kind, words in (*AGAIN.items(), (EARLY, EARLY)) if kinds[kind])
+        number = f"{len(reasons)} of {len(self.table.rows)} samples {'was' if len(reasons) == 1 else 'were'}"
+        return (
+            f"{number} solved again, with more samples of a period or as a single case, because the first curve was "
+            f"not accurate enough: {found}. Their rows have the figures."
+        )
 
     def _most_frequent_warning(self) -> str:
         """The first of those that agree but for their numbers, with the number of samples that have it."""

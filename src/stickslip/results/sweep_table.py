@@ -101,6 +101,8 @@ class SweepRow:
         messages of the study and of the solver.
     file:
         its results file, relative to the folder of the sweep; "" if there is none.
+    solved_again:
+        why its first, quick curve was no result, in words; "" for a case that was solved once.
     """
 
     name: str
@@ -110,6 +112,7 @@ class SweepRow:
     measures: Mapping[str, float]
     warnings: tuple[str, ...] = ()
     file: str = ""
+    solved_again: str = ""
 
 
 @dataclass(frozen=True)

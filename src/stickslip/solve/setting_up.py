@@ -23,6 +23,7 @@ from stickslip.core.validation import (
     whole_number,
 )
 from stickslip.solve.excitation import Excitation, ExcitationForce
+from stickslip.solve.free_modes import free_modes
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.curves import BalancePoint
@@ -164,7 +165,10 @@ class Balances:
         root = stuck.damping_root if self.superelement.gyroscopic is None else None
         if isinstance(stuck, SoftStructure):
             return stuck.free if root is None else stuck.free.with_damping_root(root)
-        return LinearLimit.of_matrices(mass, stiffness, stuck.velocity_matrix if root is None else None, root)
+        frequency, modes = free_modes(mass, stiffness)
+        if root is None:
+            return LinearLimit.of_modes(frequency, modes, stiffness, stuck.velocity_matrix)
+        return LinearLimit.undamped(frequency, modes, stiffness).with_damping_root(root)
 
     @property
     def is_damped(self) -> bool:

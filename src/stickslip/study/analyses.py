@@ -37,6 +37,7 @@ DIGITS, SAMPLED_SHARE = 1e-4, 0.1
 LONGEST_STEP = 0.2
 # Entry of the settings of a response: why a first, quick curve was no result.
 SOLVED_AGAIN = "solved_again"
+_SAMPLED = "residual_with_doubled_samples"
 
 Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 
@@ -82,23 +83,32 @@ def sample_curve(
     """The curve of one of many cases, without checks of stability and missed peaks.
 
     With an accuracy and the ``harmonics`` that a similar case required, the whole curve has these, and no more samples
-    and digits than the accuracy needs. It is the result if its estimated errors at the peak are within the accuracy;
-    else the curve is solved again as that of a single case. Raises ConvergenceError.
+    and digits than the accuracy needs. It is the result if its estimated errors at the peak are within the accuracy.
+    Where only the samples are too few, it follows once more with those of [solver]; else the curve is solved again as
+    that of a single case. Raises ConvergenceError.
     """
-    accuracy, reason = case.solver.accuracy, ""
+    accuracy, reasons = case.solver.accuracy, list[str]()
+
+    def reported(response: ForcedResponse) -> ForcedResponse:
+        if not reasons:
+            return response
+        return replace(response, settings={**response.settings, SOLVED_AGAIN: "; then ".join(reasons)})
+
     if accuracy is not None and harmonics is not None:
-        try:
-            quick = forced_curve(
-                case, model, listener, threads, False, MOST_POINTS, _quick_numbers(case, accuracy, harmonics)
-            )
-        except ConvergenceError as error:
-            reason = str(error)
-        else:
+        numbers: CurveNumbers | None = _quick_numbers(case, accuracy, harmonics)
+        while numbers is not None:
+            try:
+                quick = forced_curve(case, model, listener, threads, False, MOST_POINTS, numbers)
+            except ConvergenceError as error:
+                reasons.append(str(error))
+                break
             reason = _why_not(quick, accuracy)
             if not reason:
-                return quick
-    whole = forced_curve(case, model, listener, threads, checks=False, most_points=MOST_POINTS)
-    return replace(whole, settings={**whole.settings, SOLVED_AGAIN: reason}) if reason else whole
+                return reported(quick)
+            reasons.append(reason)
+            is_coarse = reason == _too_few_samples(quick) and numbers.samples < case.solver.samples
+            numbers = replace(numbers, samples=case.solver.samples) if is_coarse else None
+    return reported(forced_curve(case, model, listener, threads, checks=False, most_points=MOST_POINTS))
 
 
 def _quick_numbers(case: Case, accuracy: float, harmonics: int) -> CurveNumbers:
@@ -122,12 +132,17 @@ def _why_not(response: ForcedResponse, accuracy: float) -> str:
     if not response.converged:
         return response.message
     neglected = float(response.settings["error_by_neglected_harmonics"])
-    sampled = float(response.settings["residual_with_doubled_samples"])
+    sampled = float(response.settings[_SAMPLED])
     if not neglected <= accuracy:
         return f"the estimated error by neglected harmonics is {100.0 * neglected:.2g} %"
     if not sampled <= SAMPLED_SHARE * accuracy:
-        return f"the residual with doubled samples is {100.0 * sampled:.2g} %"
+        return _too_few_samples(response)
     return ""
+
+
+def _too_few_samples(response: ForcedResponse) -> str:
+    """The reason of a curve that neglects too little but its samples."""
+    return f"the residual with doubled samples is {100.0 * float(response.settings[_SAMPLED]):.2g} %"
 
 
 def forced_curve(

@@ -64,6 +64,9 @@ MOST_ITERATIONS = 8
 MOST_CURVES, REFINING = 8.0, 0.4
 # chosen: the same of the peaks that are followed from the whole curves at the minimum.
 CHECKING = 1.0
+# chosen: longest step of a whole curve, of which only the neighbourhood of its peaks is used, in studies with an
+# accuracy.
+CURVE_STEP = 0.14
 # chosen: whole curves go beyond all linear peaks and ridges by this factor.
 AROUND = 1.03
 
@@ -123,6 +126,7 @@ def performance_curve(
         options,
         frequency_hz=(window[0] / WIDER, window[1] * WIDER),
         newton=replace(options.newton, max_iterations=MOST_ITERATIONS),
+        curve_step=max(options.curve_step, min((case.solver.accuracy or 0.0) ** 0.5, CURVE_STEP)),
     )
     stages = CaseStages(family, model, report, threads, options)
     modes = stages(force, None).modes_between(window)

@@ -25,6 +25,7 @@ from stickslip.reporting.sweep_view import SweepView
 from stickslip.reporting.templates import StudyText
 from stickslip.results.record import run_provenance
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable
+from stickslip.study.analyses import SOLVED_AGAIN
 from stickslip.sweeps.axes import Vary, swept_keys
 from stickslip.sweeps.folder import SweepFolder
 from stickslip.sweeps.plan import PlannedCase, plan_cases, plan_table
@@ -345,6 +346,7 @@ class SolvedCases:
             outcome.measures,
             outcome.warnings,
             file,
+            outcome.details.get(SOLVED_AGAIN, ""),
         )
 
 

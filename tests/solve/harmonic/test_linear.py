@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from helpers import Blade
+from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import to_complex
 from stickslip.solve.harmonic.linear import LinearLimit
 
@@ -32,7 +33,7 @@ def test_the_root_of_the_damping_gives_the_limit_of_the_damping(blade: Blade) ->
     mass, stiffness = blade.superelement.mass, blade.superelement.stiffness
     root = np.random.default_rng(0).standard_normal((len(mass), 3))
     expected = LinearLimit.of_matrices(mass, stiffness, root @ root.T)
-    limit = LinearLimit.of_matrices(mass, stiffness, np.full_like(mass, np.nan), root)
+    limit = LinearLimit.undamped(*modal_basis(mass, stiffness), stiffness).with_damping_root(root)
     force = np.zeros((3, len(mass)))
     force[1], force[2] = blade.force_cos, blade.force_sin
     omega = 2 * np.pi * np.array([470.0, 1040.0])

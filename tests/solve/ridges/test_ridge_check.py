@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -150,3 +151,19 @@ def test_a_minimum_that_is_not_known_has_a_reason() -> None:
     for reason in (checked(Map([1.0, 2.0, 3.0, 4.0])), checked(Map([1.0], seen=False))):
         assert isinstance(reason, str)
         printed_sentence(reason)
+
+
+def test_a_whole_curve_needs_no_iteration_before_pairs_move_and_has_the_steps_of_its_options() -> None:
+    """The motion with stuck contacts is a solution there; a longer step gives fewer points and the same peak."""
+    stage = stage_of(3)
+    curves = [
+        replace(stage, options=replace(stage.options, curve_step=step)).whole_curve().points for step in (0.04, 0.14)
+    ]
+    heights = [stage.amplitude([each.point for each in points]).max() for points in curves]
+    assert len(curves[1]) < 0.7 * len(curves[0])
+    assert heights[1] == pytest.approx(heights[0], rel=0.01)
+    for points in curves:
+        moves = [bool(each.point.trial.contact.moves.any()) for each in points]
+        first = moves.index(True)
+        assert first > 2
+        assert [each.iterations for each in points[1:first]] == [0] * (first - 1)

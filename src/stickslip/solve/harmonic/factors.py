@@ -8,11 +8,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs  # small systems: scipy's own calls around them cost as much again
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.gmres import gmres
 
 Product = Callable[[FloatArray], FloatArray]
+
+# chosen: most systems that use a factor until one is tried without it, which costs some percent of them then.
+MOST_WAITS = 32
 
 
 class Inverse(Protocol):
@@ -72,11 +75,14 @@ class LastFactor:
         self._factor: Inverse | None = None
         self._keys = np.empty(0, dtype=np.int64)
         self._owner: object = None
+        self._wait, self._used, self._released = 1, 0, False
 
     def store(self, factor: Inverse, keys: NDArray[np.int64], owner: object = None) -> None:
         """The factor of a system with rows ``keys``, in their order (see :meth:`BorderedSystem.keys`); exact for its
         ``owner``."""
         self._factor, self._keys, self._owner = factor, keys, owner
+        if self._released:
+            self.was_needed()
 
     def of(self, owner: object) -> Factor | None:
         """The factor of an owner, None if another one has replaced it."""
@@ -85,6 +91,37 @@ class LastFactor:
     def forget(self) -> None:
         """Release a factor that no longer helps."""
         self._factor = self._owner = None
+
+    def tried_without(self, solve: Callable[[], FloatArray | None]) -> FloatArray | None:
+        """The answer of ``solve`` without the factor, if that is doubtful; None where it is needed, or not doubtful."""
+        if not self.is_doubtful():
+            return None
+        answer = solve()
+        if answer is None:
+            self.was_needed()
+        else:
+            self.was_needless()
+        return answer
+
+    def is_doubtful(self) -> bool:
+        """Whether the next system is tried without the factor: that one system was hard says little about the others.
+
+        True for the first use, later after 2, 4 ... uses (at most ``MOST_WAITS``), twice as many each time when the
+        factor was needed or had to be made again.
+        """
+        if self._factor is None:
+            return False
+        self._used += 1
+        return self._used >= self._wait
+
+    def was_needed(self) -> None:
+        """A system could not be solved without the factor: wait twice as long until the next trial."""
+        self._wait, self._used, self._released = min(2 * self._wait, MOST_WAITS), 0, False
+
+    def was_needless(self) -> None:
+        """A system could be solved without the factor: so are the next ones."""
+        self.forget()
+        self._released = True
 
     def inverse(self, keys: NDArray[np.int64]) -> Product | None:
         """The inverse of the stored system on the rows of another one, None without a stored system."""
@@ -110,22 +147,5 @@ def iterated(
     An ``inverse`` acts first on the unknowns, so that the tolerance remains that of the system.
     """
     product = apply if inverse is None else lambda vector: apply(inverse(vector))
-    answer, failure = gmres(
-        _Matrix(right.size, product), right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=1
-    )
-    if failure:
-        return None
-    return np.asarray(answer if inverse is None else inverse(answer))
-
-
-class _Matrix(LinearOperator):  # type: ignore[misc]
-    """A square matrix as a function of a vector, without the checks of shapes that scipy makes in each product."""
-
-    def __init__(self, size: int, apply: Product) -> None:
-        super().__init__(np.dtype(float), (size, size))
-        self._apply = apply
-
-    def _matvec(self, x: FloatArray) -> FloatArray:
-        return self._apply(x)
-
-    matvec = _matvec
+    answer = gmres(product, right, tolerance, iterations)
+    return answer if answer is None or inverse is None else np.asarray(inverse(answer))

@@ -20,6 +20,8 @@ from stickslip.structure.gyroscopic import gyroscopic_modes
 from stickslip.structure.superelement import moves_freely
 
 LEAST_SHARE = 1e-8  # chosen: a smaller modal force, over the largest one, is round-off
+# chosen: points of a linear curve, and those on each side of a natural frequency.
+UNIFORM, BESIDE = 121, 18
 ON_RESONANCE = 1e-6  # chosen: the linear curves have no point nearer to a natural frequency, relative to it
 # chosen: Coriolis forces couple this number of the lowest modes in natural frequencies; the response has all modes
 WHIRLING_MODES = 150
@@ -128,16 +130,9 @@ class LinearLimit:
         self.resonant = Resonant.of(circular_frequency, modes, modal_damping)
 
     @classmethod
-    def of_matrices(
-        cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray | None, root: FloatArray | None = None
-    ) -> LinearLimit:
-        """The limit of a structure given by its matrices (n, n): ``damping``, or ``root`` (n, p) with ``C = R R^T``."""
-        frequency, modes = modal_basis(mass, stiffness)
-        if root is None:
-            assert damping is not None  # one of both
-            return cls.of_modes(frequency, modes, stiffness, damping)
-        shares = modes.T @ root
-        return cls._with_rigid(frequency, modes, stiffness, shares @ shares.T)
+    def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
+        """The limit of a structure given by its matrices (n, n)."""
+        return cls.of_modes(*modal_basis(mass, stiffness), stiffness, damping)
 
     @classmethod
     def of_modes(
@@ -250,11 +245,18 @@ def _product(matrix: FloatArray, amplitudes: ComplexArray) -> ComplexArray:
 
 
 def linear_curves(
-    stuck: Limit, free: Limit, force: ExcitationForce, window_hz: tuple[float, float], shown_modes: int = 12
+    stuck: Limit,
+    free: Limit,
+    force: ExcitationForce,
+    window_hz: tuple[float, float],
+    shown_modes: int = 12,
+    uniform: int = UNIFORM,
+    beside: int = BESIDE,
 ) -> LinearCurves:
-    """Stuck and free response to ``force`` over the window, refined around their natural frequencies."""
+    """Stuck and free response to ``force`` over the window, refined around their natural frequencies; ``uniform`` and
+    ``beside`` as in :func:`refined_grid`."""
     natural_hz = np.concatenate([stuck.natural_hz, free.natural_hz])
-    frequency_hz = refined_grid(window_hz, natural_hz)
+    frequency_hz = refined_grid(window_hz, natural_hz, uniform, beside)
     # Not a resonance itself, also of a higher harmonic: without damping the response has no bound there.
     resonances_hz = np.divide.outer(natural_hz, np.arange(1, force.harmonics + 1)).ravel()
     low, high = min(window_hz), max(window_hz)
@@ -272,10 +274,13 @@ def linear_curves(
     )
 
 
-def refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
-    """A uniform grid with extra points, denser towards each natural frequency inside the window."""
+def refined_grid(
+    window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = UNIFORM, beside: int = BESIDE
+) -> FloatArray:
+    """``uniform`` points with extra ones, denser towards each natural frequency inside the window: ``beside`` of them
+    on each side."""
     low, high = min(window_hz), max(window_hz)
-    offsets = np.concatenate([-np.geomspace(2e-2, 2e-5, 18), np.geomspace(2e-5, 2e-2, 18)])
+    offsets = np.concatenate([-np.geomspace(2e-2, 2e-5, beside), np.geomspace(2e-5, 2e-2, beside)])
     inside = natural_hz[(natural_hz > low) & (natural_hz < high)]
     grid = np.concatenate([np.linspace(low, high, uniform), *(centre * (1.0 + offsets) for centre in inside)])
     return np.unique(grid[(grid >= low) & (grid <= high)])

@@ -32,6 +32,9 @@ DIRECT_SIZE = 500
 MAX_ITERATIONS = 120
 # chosen: twice the usual largest number of iterations with the factor of an earlier system.
 PRECONDITIONED_ITERATIONS = 60
+# chosen: iterations without a factor after which it is needed. On the two-blade model a dozen are usual, and each takes
+# a third of the time of one with the factors of its blocks.
+TRIAL_ITERATIONS = 40
 # chosen: a block on the diagonal has one harmonic, or as many as have no more than this number of rows (110 pairs that
 # all separate, 46 harmonics, 26,600 rows: 79 iterations to 1e-6 with blocks of one harmonic, which take 1.7 s, 72 with
 # blocks of two and 51 with blocks of five, which take 12 s; none in 240 iterations without).
@@ -279,18 +282,18 @@ class BorderedSystem:
     ) -> FloatArray | None:
         """The solution of a matrix with rows ``keys`` by GMRES, None if it did not converge.
 
-        With the last factor if there is one, else without; then with the blocks of the matrix.
+        With the last factor if there is one and it is needed, else without; then with the blocks of the matrix.
         """
         if not right.any():
             return np.zeros_like(right)
+        answer = self._last.tried_without(lambda: iterated(apply, right, tolerance, TRIAL_ITERATIONS))
+        if answer is not None:
+            return answer
         inverse = self._last.inverse(keys)
         low_rank = None if inverse else self._low_rank(keys.size - self.system.size)
-        if low_rank is not None:
-            answer = iterated(apply, right, tolerance, PRECONDITIONED_ITERATIONS, low_rank.solve)
-        elif inverse is None:
-            answer = iterated(apply, right, tolerance, MAX_ITERATIONS)
-        else:
-            answer = iterated(apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
+        near = inverse if low_rank is None else low_rank.solve
+        most = MAX_ITERATIONS if near is None else PRECONDITIONED_ITERATIONS
+        answer = iterated(apply, right, tolerance, most, near)
         blocks = self.system.blocks()
         if answer is not None or len(blocks) == 1:
             return answer

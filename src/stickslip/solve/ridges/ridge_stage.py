@@ -44,7 +44,7 @@ Problem = tuple[Superelement, ContactPairs, Excitation]
 class RidgeOptions:
     """Options that all values of the parameter share; see :func:`peak_ridge`.
 
-    Peaks are followed in ``frequency_hz``, over which whole curves are too.
+    Peaks are followed in ``frequency_hz``, over which whole curves are too, with steps of at most ``curve_step``.
     """
 
     frequency_hz: tuple[float, float]
@@ -52,6 +52,7 @@ class RidgeOptions:
     samples: int = 256
     update: Update = "tractrix"
     newton: NewtonSettings = field(default_factory=NewtonSettings)
+    curve_step: float = ContinuationSettings.largest_step
 
 
 @dataclass(frozen=True)
@@ -241,13 +242,14 @@ class RidgeStage:
         return peak, errors
 
     def whole_curve(self, window: tuple[float, float] | None = None) -> Branch[BalancePoint]:
-        """The frequency curve over a part of its window, Hz, or over all of it. Raises ConvergenceError without a first
-        point."""
+        """The frequency curve over a part of its window, Hz, or over all of it; before pairs move its points need no
+        iteration. Raises ConvergenceError without a first point."""
+        settings, known = ContinuationSettings(largest_step=self.options.curve_step), self.curve.stuck
         balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in window or self.window)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
 
         def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
-            return Branch(self.solver, point, end, ContinuationSettings(), landmarks=resonances)
+            return Branch(self.solver, point, end, settings, landmarks=resonances, known=known)
 
         point, _ = first_point(self.solver, self.curve, start, balances.with_harmonics, walk)
         branch = walk(point, stop)
