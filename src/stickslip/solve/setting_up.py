@@ -31,8 +31,8 @@ from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
 from stickslip.solve.harmonic.operator_products import own_products
 from stickslip.solve.harmonic.resonances import Resonances
-from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_structure
-from stickslip.solve.harmonic.support import factor_without_friction
+from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_static, soft_structure
+from stickslip.solve.harmonic.support import factor_without_friction, needs_friction
 from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
 from stickslip.solve.motion_in_time import MotionInTime
@@ -267,7 +267,9 @@ def prepare_balances(
     """
     check_options(harmonics, samples, update, modal_damping_ratio)
     pairs = pairs.with_update(update)
-    without_friction = factor_without_friction(superelement, pairs)
+    static = soft_static(superelement, pairs) if few_modes else None
+    floats = static is not None and needs_friction(superelement, pairs, static)
+    without_friction = None if floats else factor_without_friction(superelement, pairs)
     if without_friction is None:
         # The stuck pairs of such a body carry its mean load: only they know where it is.
         pairs = pairs.retaining()
@@ -277,8 +279,8 @@ def prepare_balances(
     require_comparable(pairs, elastic + highest_omega**2 * inertial)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
     soft = None
-    if few_modes:
-        soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio, without_friction)
+    if static is not None:
+        soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio, static, without_friction)
     stuck = soft or stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)

@@ -136,7 +136,8 @@ class LargeNewtonCompliance:
 
     def _with_near(self, answer: FloatArray, deviation: FloatArray, rows: IndexArray | slice) -> FloatArray:
         """An answer at some rows with the near modes, and with the difference of the mean."""
+        # of all rows, then the chosen ones: a copy of the shapes at these takes longer than the product
         if isinstance(self.mean_part, MeanDifference):
-            answer[0] += self.mean_part.left[rows] @ (deviation[0] @ self.mean_part.right)
-        answer[1:] += times_gain(self.gain, deviation[1:] @ self.right) @ self.left[rows].T
+            answer[0] += (self.mean_part.left @ (deviation[0] @ self.mean_part.right))[rows]
+        answer[1:] += (times_gain(self.gain, deviation[1:] @ self.right) @ self.left.T)[:, rows]
         return answer

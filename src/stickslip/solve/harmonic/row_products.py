@@ -145,9 +145,10 @@ def _add_rows(
     count = len(rows)
     for begin in range(start, stop, COLUMNS_AT_ONCE):
         end = min(begin + COLUMNS_AT_ONCE, stop)
-        sums = answer[:, begin:end]
-        sums[:] = 0.0
-        a, b, c, d, e, f, g = sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]
+        answer[:, begin:end] = 0.0
+        # slices of rows, which the compiler knows to be contiguous: half the time of rows of a slice
+        a, b, c, d = answer[0, begin:end], answer[1, begin:end], answer[2, begin:end], answer[3, begin:end]
+        e, f, g = answer[4, begin:end], answer[5, begin:end], answer[6, begin:end]
         for j in range(0, count, 2):
             other = min(j + 1, count - 1)
             first, second = matrix[rows[j], begin:end], matrix[rows[other], begin:end]
