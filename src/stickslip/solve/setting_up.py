@@ -45,6 +45,9 @@ from stickslip.structure.superelement import Superelement
 # balance needs nine of the deformation of the contact (NewtonSettings.tolerance).
 STIFFEST_CONTACT = 1e7
 
+# chosen: all modes of a structure with more unknowns are not computed beside its soft ones: about 10 n^3 operations are
+# four minutes here, and the memory is 12 n^2 numbers, 6 GB. 15,000 unknowns would take half an hour and 22 GB.
+MOST_UNKNOWNS = 8000
 
 # Coefficients (..., 2H, k) of outputs for modal amplitudes (..., 2H, n) of a balance.
 Vibration = Callable[[Balance, FloatArray], FloatArray]
@@ -142,6 +145,11 @@ class Balances:
     @property
     def no_stability(self) -> str:
         """Why points have no stability; empty if they have."""
+        if self._lacks_modes:
+            return (
+                "Stability was not computed: multipliers require all modes of the structure, which are computed up to "
+                f"{MOST_UNKNOWNS} unknowns; it has {self.superelement.size}."
+            )
         if self.superelement.gyroscopic is None:
             return ""
         # The fast coordinates of the march over a period have no coupling by velocities (stability/march.py).
@@ -234,6 +242,19 @@ class Balances:
     def of_structure(self) -> Balances:
         """These balances with all modes, for analyses that require the matrices of a structure."""
         return self._with_all_modes
+
+    def require_all_modes(self, argument: str) -> None:
+        """Raise InputError for an ``argument`` that requires all modes of a structure with more than MOST_UNKNOWNS."""
+        if self._lacks_modes:
+            raise InputError(
+                f"{argument} requires all modes of the structure, which are computed up to {MOST_UNKNOWNS} unknowns; "
+                f"it has {self.superelement.size}. Give fewer contact pairs, or omit {argument}.",
+                arguments=[argument],
+            )
+
+    @property
+    def _lacks_modes(self) -> bool:
+        return isinstance(self.stuck, SoftStructure) and self.superelement.size > MOST_UNKNOWNS
 
     @cached_property
     def _with_all_modes(self) -> Balances:
