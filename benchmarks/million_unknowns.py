@@ -1,4 +1,4 @@
-"""Craig-Bampton reduction of the two-blade model refined to about 1,000,000 unknowns: time of each stage and peak memory.
+"""Craig-Bampton reduction of the two-blade model refined to about 1,000,000 unknowns: time of stages, peak memory.
 
 ``OPENBLAS_NUM_THREADS=1 python benchmarks/million_unknowns.py [threads]``. Seconds are process time of all threads.
 """

@@ -256,7 +256,8 @@ class _Elimination:
 
         Its symmetric products have the same digits with any number of threads, its other products have not.
         """
-        return threadpool_limits(limits=self._threads if count > LARGE_FRONT else 1)
+        limited: AbstractContextManager[Any] = threadpool_limits(limits=self._threads if count > LARGE_FRONT else 1)
+        return limited
 
     def _by_blocks(self, work: Callable[[slice], None], count: int) -> None:
         """Call ``work`` for blocks of rows or columns, in threads if there are many."""
