@@ -2,7 +2,8 @@
 
 ``OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 python benchmarks/growth.py 110 440 990``: each size runs in a process of its
 own, so that its peak memory is its own. Seconds are process time of one thread, which other programs on the machine
-change less than wall time; ``--reduction`` ends after the reduction.
+change less than wall time; ``--reduction`` ends after the reduction. ``--threads=2`` uses so many threads, whose
+process times are added; ``wall s`` is the time by the clock from the mesh to the end.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.structure.elasticity import Structure
 from stickslip.study.analyses import solve
 
-REDUCTION = "--reduction"
+REDUCTION, THREADS = "--reduction", "--threads="
 # Pairs of both faces -> elements up the contact face and along the damper.
 # 5032 take hours on a crowded machine and 13 GB: only where they are asked for.
 ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32), 5032: (33, 73)}
@@ -47,16 +48,16 @@ def memory_gb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
 
 
-def measure(n_pairs: int, only_reduction: bool) -> dict[str, float]:
+def measure(n_pairs: int, only_reduction: bool, threads: int = 1) -> dict[str, float]:
     """Process time of each part, points, and peak memory of this process."""
     os.environ["STICKSLIP_CACHE"] = "off"
     case = case_with(n_pairs)
-    begin = time.process_time()
+    begin, clock = time.process_time(), time.perf_counter()
     structure = build_structure(case)
     assert isinstance(structure, Structure)  # two blades at rest
     joint = build_joint(case, structure)
     assembled = time.process_time()
-    model = build_model(case, structure, joint, threads=1)
+    model = build_model(case, structure, joint, threads=threads)
     reduced = time.process_time()
     row = {
         "pairs": model.pairs.n_pairs,
@@ -65,6 +66,7 @@ def measure(n_pairs: int, only_reduction: bool) -> dict[str, float]:
         "mesh s": assembled - begin,
         "reduction s": reduced - assembled,
         "memory after reduction GB": memory_gb(),
+        "wall s": time.perf_counter() - clock,
     }
     if only_reduction:
         return row
@@ -82,7 +84,7 @@ def measure(n_pairs: int, only_reduction: bool) -> dict[str, float]:
                 points[1:] = [now]
                 points[:1] = points[:1] or [now]
 
-    response = solve(case, model, Clock(), threads=1, checks=False)
+    response = solve(case, model, Clock(), threads=threads, checks=False)
     done = time.process_time()
     peak = int(response.amplitude(next(iter(model.outputs.values()))).argmax())
     counts = np.bincount(response.contact_state[peak], minlength=3)
@@ -97,21 +99,23 @@ def measure(n_pairs: int, only_reduction: bool) -> dict[str, float]:
         "separating at the peak": int(counts[2]),
         "largest residual": float(response.residual.max()),
         "memory GB": memory_gb(),
+        "wall s": time.perf_counter() - clock,
     }
 
 
 def main() -> None:
     """One line for each size, and the exponent of the time per point."""
     if sys.argv[1:2] == ["--one"]:
-        print(json.dumps(measure(int(sys.argv[2]), REDUCTION in sys.argv)))
+        threads = [int(each.removeprefix(THREADS)) for each in sys.argv if each.startswith(THREADS)]
+        print(json.dumps(measure(int(sys.argv[2]), REDUCTION in sys.argv, *threads)))
         return
     before: dict[str, float] | None = None
-    options = [argument for argument in sys.argv[1:] if argument == REDUCTION]
+    options = [argument for argument in sys.argv[1:] if argument.startswith("--")]
     for n_pairs in [int(argument) for argument in sys.argv[1:] if argument not in options] or sorted(ELEMENTS)[:3]:
         command = [sys.executable, __file__, "--one", str(n_pairs), *options]
         answer = subprocess.run(command, check=True, capture_output=True, text=True).stdout
         row: dict[str, float] = json.loads(answer.splitlines()[-1])
-        if options:
+        if REDUCTION in options:
             print(", ".join(f"{name} {value:.4g}" for name, value in row.items()), flush=True)
             continue
         row["ms a point"] = 1e3 * row["curve s"] / row["points"]

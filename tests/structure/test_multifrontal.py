@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse
+from scipy.linalg.blas import dsyr2k, dsyrk
+from threadpoolctl import threadpool_limits
 
 from sentences import rejects
 from stickslip.core.errors import InputError, SingularMatrixError
@@ -69,6 +71,22 @@ def test_the_factor_solves_the_interior(held_block: Structure, small_fronts: Non
 def test_the_digits_do_not_depend_on_the_threads(held_block: Structure, small_fronts: None) -> None:
     for one, two in zip(of_block(held_block)[1], of_block(held_block, threads=2)[1], strict=True):
         np.testing.assert_array_equal(one, two)
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(301, 2001), (825, 1100)])
+def test_symmetric_products_of_the_library_have_the_same_digits_in_threads(columns: int, rows: int) -> None:
+    """Large fronts leave these products to the library, whatever its number of threads."""
+    random = np.random.default_rng(2)
+    left, right = random.standard_normal((2, rows, columns))
+    answers = []
+    for threads in (1, 2, 3):
+        with threadpool_limits(limits=threads):
+            single = dsyrk(-1.0, left.T, 1.0, np.zeros((rows, rows)).T, trans=1, lower=0)
+            both = dsyr2k(-1.0, left.T, right.T, 1.0, np.zeros((rows, rows)).T, trans=1, lower=0)
+        answers.append((single, both))
+    for others in answers[1:]:
+        for one, other in zip(answers[0], others, strict=True):
+            np.testing.assert_array_equal(one, other)
 
 
 def test_a_stiffness_that_is_not_positive_definite_is_singular(held_block: Structure) -> None:

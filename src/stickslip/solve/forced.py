@@ -36,7 +36,7 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.path.work import Work
 from stickslip.solve.pieces import Pieces
-from stickslip.solve.setting_up import StageReport, checked_window
+from stickslip.solve.setting_up import Balances, StageReport, checked_window
 from stickslip.solve.tractions.traction_band import DEFAULT_STARTS, TractionBandSearch
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.substructure import Substructure
@@ -182,6 +182,8 @@ def unreported_response(
             pairs, excitation, highest, least, accuracy is not None, samples, modal_damping_ratio, update
         )
         balances = structure.balances(given, report.stage)
+        if band_output is not None and isinstance(balances, Balances):
+            balances.require_all_modes("traction_band")  # now, not after the curve
         motions.sentences = balances.unbounded(window)
         work = Work(2 * least + 1, WORK_PER_POINT * settings.max_points)
         curve = FrequencyCurve(balances.with_harmonics(least), work=work)

@@ -32,8 +32,8 @@ from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
 from stickslip.solve.harmonic.operator_products import own_products
 from stickslip.solve.harmonic.resonances import Resonances
-from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_structure
-from stickslip.solve.harmonic.support import factor_without_friction
+from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_static, soft_structure
+from stickslip.solve.harmonic.support import factor_without_friction, needs_friction
 from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
 from stickslip.solve.motion_in_time import MotionInTime
@@ -46,6 +46,9 @@ from stickslip.structure.superelement import Superelement
 # balance needs nine of the deformation of the contact (NewtonSettings.tolerance).
 STIFFEST_CONTACT = 1e7
 
+# chosen: all modes of a structure with more unknowns are not computed beside its soft ones: about 10 n^3 operations are
+# four minutes here, and the memory is 12 n^2 numbers, 6 GB. 15,000 unknowns would take half an hour and 22 GB.
+MOST_UNKNOWNS = 8000
 
 # Coefficients (..., 2H, k) of outputs for modal amplitudes (..., 2H, n) of a balance.
 Vibration = Callable[[Balance, FloatArray], FloatArray]
@@ -143,6 +146,11 @@ class Balances:
     @property
     def no_stability(self) -> str:
         """Why points have no stability; empty if they have."""
+        if self._lacks_modes:
+            return (
+                "Stability was not computed: multipliers require all modes of the structure, which are computed up to "
+                f"{MOST_UNKNOWNS} unknowns; it has {self.superelement.size}."
+            )
         if self.superelement.gyroscopic is None:
             return ""
         # The fast coordinates of the march over a period have no coupling by velocities (stability/march.py).
@@ -239,6 +247,19 @@ class Balances:
         """These balances with all modes, for analyses that require the matrices of a structure."""
         return self._with_all_modes
 
+    def require_all_modes(self, argument: str) -> None:
+        """Raise InputError for an ``argument`` that requires all modes of a structure with more than MOST_UNKNOWNS."""
+        if self._lacks_modes:
+            raise InputError(
+                f"{argument} requires all modes of the structure, which are computed up to {MOST_UNKNOWNS} unknowns; "
+                f"it has {self.superelement.size}. Give fewer contact pairs, or omit {argument}.",
+                arguments=[argument],
+            )
+
+    @property
+    def _lacks_modes(self) -> bool:
+        return isinstance(self.stuck, SoftStructure) and self.superelement.size > MOST_UNKNOWNS
+
     @cached_property
     def _with_all_modes(self) -> Balances:
         stuck = self.stuck
@@ -271,7 +292,9 @@ def prepare_balances(
     """
     check_options(harmonics, samples, update, modal_damping_ratio)
     pairs = pairs.with_update(update)
-    without_friction = factor_without_friction(superelement, pairs)
+    static = soft_static(superelement, pairs) if few_modes else None
+    floats = static is not None and needs_friction(superelement, pairs, static)
+    without_friction = None if floats else factor_without_friction(superelement, pairs)
     if without_friction is None:
         # The stuck pairs of such a body carry its mean load: only they know where it is.
         pairs = pairs.retaining()
@@ -281,8 +304,8 @@ def prepare_balances(
     require_comparable(pairs, elastic + highest_omega**2 * inertial)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
     soft = None
-    if few_modes:
-        soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio, without_friction)
+    if static is not None:
+        soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio, static, without_friction)
     stuck = soft or stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)

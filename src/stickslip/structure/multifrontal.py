@@ -17,6 +17,7 @@ are constraint modes, so the boundary receives ``Psi^T M Psi`` of all constraint
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +26,7 @@ import scipy.sparse
 from numpy.typing import NDArray
 from scipy.linalg.blas import dsyr2k, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
+from threadpoolctl import threadpool_limits
 
 from stickslip.core.compiled import njit
 from stickslip.core.errors import SingularMatrixError
@@ -34,8 +36,8 @@ from stickslip.structure.dissection import nested_dissection
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.triangular import WIDEST_PANEL, TriangularFactor
 
-# chosen: columns of a larger front are worked on by several threads, so many at a time. The division does not depend on
-# the number of threads, and neither do the digits.
+# chosen: a larger front is worked on by several threads, so many rows at a time. The division does not depend on the
+# number of threads, and neither do the digits; those of the symmetric products of OpenBLAS do not either (tested).
 COLUMNS = 256
 LARGE_FRONT = 1024
 
@@ -234,10 +236,8 @@ class _Elimination:
                 constraint[rows] = dtrsm(1.0, own.T, part.T, side=0, lower=0).T
 
         self._by_blocks(solve, len(below))
-        if len(below) <= LARGE_FRONT:
+        with self._library_threads(len(below)):
             dsyrk(-1.0, below.T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
-        else:
-            self._by_blocks(lambda part: _subtract(rest, below, below, part), len(below))
         return constraint
 
     def _condensed(self, own: FloatArray, below: FloatArray, rest: FloatArray, constraint: FloatArray) -> None:
@@ -248,15 +248,16 @@ class _Elimination:
             below[rows] -= 0.5 * (constraint[rows] @ corner)
 
         self._by_blocks(half, len(below))
-        if len(below) <= LARGE_FRONT:
+        with self._library_threads(len(below)):
             dsyr2k(-1.0, below.T, constraint.T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
-            return
 
-        def both(part: slice) -> None:
-            _subtract(rest, below, constraint, part)
-            _subtract(rest, constraint, below, part)
+    def _library_threads(self, count: int) -> AbstractContextManager[Any]:
+        """The threads of one product of the library for so many rows.
 
-        self._by_blocks(both, len(below))
+        Its symmetric products have the same digits with any number of threads, its other products have not.
+        """
+        limited: AbstractContextManager[Any] = threadpool_limits(limits=self._threads if count > LARGE_FRONT else 1)
+        return limited
 
     def _by_blocks(self, work: Callable[[slice], None], count: int) -> None:
         """Call ``work`` for blocks of rows or columns, in threads if there are many."""
@@ -266,11 +267,6 @@ class _Elimination:
         in_threads(
             lambda start: work(slice(start, min(start + COLUMNS, count))), range(0, count, COLUMNS), self._threads
         )
-
-
-def _subtract(matrix: FloatArray, left: FloatArray, right: FloatArray, columns: slice) -> None:
-    """``matrix -= left @ right^T`` in some columns, on and below the diagonal block."""
-    matrix[columns.start :, columns] -= left[columns.start :] @ right[columns].T
 
 
 @njit(cache=True, nogil=True)

@@ -194,9 +194,9 @@ def test_a_curve_is_that_of_all_modes(blade: Blade, monkeypatch: pytest.MonkeyPa
             )
         )
     whole, kept = responses
-    assert used[0] is None
-    assert used[1] is not None
-    assert used[1].modes.shape[1] < structure.size
+    assert len(used) == 1  # a joint of few rows has all modes
+    assert used[0] is not None
+    assert used[0].modes.shape[1] < structure.size
     assert kept.n_points == whole.n_points
     for name in ("maxima_between_points", "search_for_missed_peaks"):
         assert kept.settings[name] == whole.settings[name]

@@ -19,7 +19,7 @@ from stickslip.solve.harmonic.harmonic_modes import LocalCompliance, NewtonCompl
 from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance, MeanDifference, mean_difference
 from stickslip.solve.harmonic.low_rank import LowRankInverse
 from stickslip.solve.harmonic.reduced import NewtonSystem
-from stickslip.solve.harmonic.row_products import ROWS_AT_ONCE, VECTORS, row_products
+from stickslip.solve.harmonic.row_products import COLUMNS_AT_ONCE, ROWS_AT_ONCE, VECTORS, row_products, sums_of_rows
 from stickslip.solve.setting_up import prepare_balances
 
 RNG = np.random.default_rng(4)
@@ -160,27 +160,50 @@ def test_products_have_the_same_digits_in_threads(rows: int) -> None:
             np.testing.assert_array_equal(row_products(matrix, vectors), alone)
 
 
-@pytest.mark.parametrize("many", [0.0, 1.0])  # the matrix contains all columns, or the chosen ones
+@pytest.mark.parametrize("chosen", [1, 2 * 40 + 1, 2 * 512 + 3])
+@pytest.mark.parametrize("count", [1, VECTORS, VECTORS + 2])
+def test_products_with_some_rows(chosen: int, count: int) -> None:
+    """Dot products with them and sums of them, in any order, with the same digits in threads."""
+    size = 2 * COLUMNS_AT_ONCE + 7
+    matrix, rows = RNG.standard_normal((size, size)).astype(np.float32), RNG.permutation(size)[:chosen]
+    vectors, weights = RNG.standard_normal((count, size)), RNG.standard_normal((count, chosen))
+    dots, sums = row_products(matrix, vectors, rows), sums_of_rows(matrix, weights, rows)
+    double = matrix[rows].astype(float)
+    np.testing.assert_allclose(dots, vectors @ double.T, atol=1e-11)
+    np.testing.assert_allclose(sums, weights @ double, atol=1e-11)
+    with solver_threads(2000, 3):
+        for _ in range(5):
+            np.testing.assert_array_equal(row_products(matrix, vectors, rows), dots)
+            np.testing.assert_array_equal(sums_of_rows(matrix, weights, rows), sums)
+
+
+def test_a_sum_of_no_rows_is_zero() -> None:
+    none = np.empty(0, dtype=np.int64)
+    assert not sums_of_rows(np.ones((5, 9)), np.empty((2, 0)), none).any()
+    assert row_products(np.ones((5, 9)), np.ones((2, 9)), none).shape == (2, 0)
+
+
+@pytest.mark.parametrize("many", [0.0, 1.0])  # products of all rows, or sums of those of the columns
 def test_single_precision_is_the_same_compliance(
     balance: Balance, monkeypatch: pytest.MonkeyPatch, many: float
 ) -> None:
-    monkeypatch.setattr(harmonic_modes, "MANY_COLUMNS", many)
+    monkeypatch.setattr(large_newton, "MANY_COLUMNS", many)
     outputs, omega = np.arange(3, 11), 2.0 * np.pi * 100.0
 
     double: Any = balance.compliance.newton(omega, outputs)
     monkeypatch.setattr(harmonic_modes, "LARGE_ROWS", 1)
     single: Any = balance.compliance.newton(omega, outputs)
     assert isinstance(single, LargeNewtonCompliance)
-    assert single.far_rows.dtype == np.float32
-    assert single.far_rows.shape[1] == (8 if many else balance.rows)
+    assert single.far.dtype == np.float32
     # of the mean only the part of the far modes is rounded: it may be very soft
     assert isinstance(single.mean_part, MeanDifference)
-    far = np.abs(single.far_rows).max()
+    far = np.abs(single.far).max()
     np.testing.assert_allclose(single.mean, double.mean, atol=1e-3 * far)
     deviation, weights = RNG.standard_normal((7, 8)), RNG.standard_normal((7, balance.rows))
     rows = np.arange(5)
     for actual, expected in (
         (single.apply(deviation), double.apply(deviation)),
+        (single.apply_at(deviation, rows), double.apply(deviation)[:, rows]),
         (single.apply_transposed(weights), double.apply_transposed(weights)),
         (single.block(2, rows), double.block(2, rows)),
         (single.mean, double.mean),
@@ -197,7 +220,11 @@ def test_a_mean_that_differs_in_many_shapes_keeps_its_matrix(balance: Balance, m
     mean = balance.compliance._mean_contact
     np.testing.assert_allclose(whole.mean, mean[outputs], atol=1e-12 * mean.max())
     of_mean = deviation[0] @ whole.mean
-    np.testing.assert_allclose(whole.apply(deviation)[0], of_mean, atol=1e-13 * np.abs(of_mean).max())
+    for many in (0.0, 1.0):
+        monkeypatch.setattr(large_newton, "MANY_COLUMNS", many)
+        np.testing.assert_allclose(whole.apply(deviation)[0], of_mean, atol=1e-13 * np.abs(of_mean).max())
+    weights = RNG.standard_normal((7, balance.rows))
+    np.testing.assert_allclose(whole.apply_transposed(weights)[0], whole.mean @ weights[0], atol=1e-12 * mean.max())
 
 
 def test_the_difference_of_two_compliances_is_their_soft_shapes() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -167,6 +168,24 @@ def test_the_curve_is_that_of_the_full_spectrum(blade: Blade, monkeypatch: pytes
     assert residual < 1e-4
 
 
+@pytest.mark.slow
+def test_beyond_a_number_of_unknowns_a_sentence_says_what_is_left_out(
+    blade: Blade, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The curve has its other checks; a band is rejected before the curve."""
+    small_limits(monkeypatch, 200.0, True)
+    monkeypatch.setattr(setting_up, "MOST_UNKNOWNS", blade.superelement.size - 1)
+    structure, force = replace(blade.superelement, damping=None), Excitation.force(blade.force_cos, blade.force_sin)
+    options: dict[str, Any] = {"frequency_hz": blade.window_hz, "harmonics": HARMONICS, "modal_damping_ratio": RATIO}
+    response = forced_response(structure, blade.pairs, force, samples=128, **options)
+    assert response.converged
+    assert response.stable is None
+    assert response.stability_message.startswith("Stability was not computed: multipliers require all modes")
+    assert response.settings["search_for_missed_peaks"]
+    with rejects(InputError, "traction_band"):
+        forced_response(structure, blade.pairs, force, samples=128, traction_band=blade.tip, **options)
+
+
 def test_damping_matrices_small_joints_and_many_soft_modes_have_all_modes(
     blade: Blade, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -176,9 +195,8 @@ def test_damping_matrices_small_joints_and_many_soft_modes_have_all_modes(
     assert not isinstance(balances_of(blade, few_modes=True).stuck, SoftStructure)
     small_limits(monkeypatch, 30.0)
     size, pairs = blade.superelement.size, blade.pairs
-    force = Excitation.force(blade.force_cos, blade.force_sin).on(blade.superelement, HARMONICS)
     damped = replace(blade.superelement, damping=np.eye(size))
-    assert soft_structure.soft_structure(damped, pairs, force, 1e3, None, None) is None
+    assert soft_structure.soft_static(damped, pairs) is None
     soft = balances_of(blade, few_modes=True)
     assert isinstance(soft.stuck, SoftStructure)
     assert not isinstance(soft.of_structure().stuck, SoftStructure)

@@ -117,6 +117,10 @@ class LaggedNewton:
         answer[1:] = to_real(np.array(moved))
         return answer
 
+    def apply_at(self, deviation: FloatArray, rows: IndexArray) -> FloatArray:
+        """A @ deviation at some rows: (2H+1, r) from (2H+1, k)."""
+        return self.apply(deviation)[:, rows]
+
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
         answer = np.empty((len(weights), self.mean.shape[0]))

@@ -353,6 +353,10 @@ class RingNewton:
         answer[1:] = self._moved(force[1:], self.gain, self._core)
         return answer
 
+    def apply_at(self, deviation: FloatArray, rows: IndexArray) -> FloatArray:
+        """A @ deviation at some rows: (2H+1, r) from (2H+1, k)."""
+        return self.apply(deviation)[:, rows]
+
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
         answer = np.empty((len(weights), self.columns.size))

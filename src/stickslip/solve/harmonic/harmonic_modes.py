@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.gain import ComplexArray, adjoint_gain, times_gain, with_gain
 from stickslip.solve.harmonic.large_newton import (
-    MANY_COLUMNS,
     LargeNewtonCompliance,
     MeanDifference,
     mean_difference,
@@ -43,6 +42,9 @@ class NewtonOperator(Protocol):
 
     def apply(self, deviation: FloatArray) -> FloatArray:
         """A @ deviation: (2H+1, m) from (2H+1, k)."""
+
+    def apply_at(self, deviation: FloatArray, rows: IndexArray) -> FloatArray:
+        """A @ deviation at some rows: (2H+1, r) from (2H+1, k)."""
 
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m)."""
@@ -94,6 +96,10 @@ class NewtonCompliance:
         np.matmul(deviation[1:], self.far, out=answer[1:])
         answer[1:] += near @ self.left.T
         return answer
+
+    def apply_at(self, deviation: FloatArray, rows: IndexArray) -> FloatArray:
+        """A @ deviation at some rows: (2H+1, r) from (2H+1, k)."""
+        return self.apply(deviation)[:, rows]
 
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
@@ -176,7 +182,6 @@ class SharedModes:
         self._near_contact = np.ascontiguousarray(contact[:, :near])
         self._many_rows = len(contact) >= LARGE_ROWS and rest is None
         self._cached: tuple[bytes, FloatArray, FloatArray] | None = None
-        self._large: tuple[bytes, MeanDifference | FloatArray, NDArray[np.float32]] | None = None
         self._difference: tuple[MeanDifference | None] | None = None if difference is None else (difference,)
 
     @cached_property
@@ -241,16 +246,13 @@ class SharedModes:
         """See :class:`HarmonicModes`."""
         near = self._near_contact
         # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
-        has_far, key = self._rest is not None or near.shape[1] < self.contact.shape[1], columns.tobytes()
+        # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
+        has_far = self._rest is not None or near.shape[1] < self.contact.shape[1]
         if len(mean_contact) >= LARGE_ROWS and has_far:
-            if self._large is None or self._large[0] != key:
-                difference = self._mean_difference(mean_contact)
-                part = np.take(mean_contact, columns, axis=1) if difference is None else difference.on(columns)
-                # np.take: indices of columns would give an array of columns, whose rows are slow to read
-                many = columns.size > MANY_COLUMNS * len(mean_contact)
-                self._large = key, part, self._single_far if many else np.take(self._single_far, columns, axis=1)
-            _, part, single = self._large
-            return LargeNewtonCompliance(part, single, columns, near, near[columns], gain)
+            difference = self._mean_difference(mean_contact)
+            part = mean_contact if difference is None else difference.on(columns)
+            return LargeNewtonCompliance(part, self._single_far, columns, near, near[columns], gain)
+        key = columns.tobytes()
         if self._cached is None or self._cached[0] != key:
             self._cached = key, mean_contact[columns], self._far[columns]
         _, mean, far = self._cached

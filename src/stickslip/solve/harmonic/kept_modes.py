@@ -29,9 +29,9 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.compliance import Compliance, StuckStructure
 from stickslip.solve.harmonic.gain import DiagonalGain
 from stickslip.solve.harmonic.harmonic_modes import IndexArray, NewtonOperator, SharedModes
-from stickslip.solve.harmonic.large_newton import MeanDifference
+from stickslip.solve.harmonic.large_newton import MANY_COLUMNS, MeanDifference
 from stickslip.solve.harmonic.operator_products import at_unknowns
-from stickslip.solve.harmonic.row_products import row_products
+from stickslip.solve.harmonic.row_products import row_products, sums_of_rows
 from stickslip.solve.harmonic.support import StaticFactor
 
 # chosen: modes up to this multiple of the highest excitation keep their inertia (440 pairs: 139 of 1365, and 100 added
@@ -127,6 +127,6 @@ class KeptCompliance(Compliance):
     def _of_rest(self, deviation: FloatArray) -> FloatArray:
         """``A_s d`` (c, m) of rows (c, m), of which few may differ from zero."""
         columns = np.flatnonzero(deviation.any(axis=0))
-        if 4 * columns.size < deviation.shape[1]:
-            return np.asarray(deviation[:, columns] @ self._kept.rest[columns])
+        if columns.size < MANY_COLUMNS * deviation.shape[1]:
+            return sums_of_rows(self._kept.rest, deviation[:, columns], columns)  # it is symmetric
         return row_products(self._kept.rest, deviation)

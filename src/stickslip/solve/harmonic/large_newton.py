@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.gain import ComplexArray, adjoint_gain, times_gain, with_gain
-from stickslip.solve.harmonic.row_products import row_products
+from stickslip.solve.harmonic.row_products import row_products, sums_of_rows
 
 SingleArray = NDArray[np.float32]
 IndexArray = NDArray[np.int64]
 
-# chosen: with more columns than this share of all, products with all of them cost less than to take these out.
+# chosen: with more columns than this share of all, products of all rows take less time than sums of these columns.
 MANY_COLUMNS = 0.5
 # chosen: shapes of the difference; and the largest eigenvalue beside them, over that of the far modes, whose own
 # neglected inertia is as large. 440 pairs, of which none lacks springs on the mean: 18 are above it.
@@ -75,13 +75,13 @@ def mean_difference(mean: FloatArray, far: FloatArray) -> MeanDifference | None:
 class LargeNewtonCompliance:
     """``A`` of modes that all harmonics share, see :class:`stickslip.solve.harmonic.harmonic_modes.NewtonOperator`.
 
-    The mean is the far compliance and a difference, or a matrix (m, k). The static compliance ``far_rows`` of the far
-    modes contains ``columns`` alone (m, k), or all of them (m, m) where that costs less than to take them out, which
-    each change of a contact state requires again.
+    The mean is the far compliance and a difference, or a matrix of its own. Both matrices are symmetric, so products
+    with few of their rows or columns read these rows alone, and none of them is copied when pairs begin or cease to
+    move.
     """
 
-    mean_part: MeanDifference | FloatArray
-    far_rows: SingleArray
+    mean_part: MeanDifference | FloatArray  # of the columns, or (m, m)
+    far: SingleArray  # (m, m) static compliance of the far modes
     columns: IndexArray
     left: FloatArray  # (m, p) near modes at all rows
     right: FloatArray  # (k, p) near modes at the columns
@@ -91,48 +91,53 @@ class LargeNewtonCompliance:
     def mean(self) -> FloatArray:
         """(k, m) A of the mean."""
         if isinstance(self.mean_part, MeanDifference):
-            return np.asarray(self._far_columns().T + self.mean_part.right @ self.mean_part.left.T)
-        return self.mean_part.T
+            return np.asarray(self.far[self.columns] + self.mean_part.right @ self.mean_part.left.T)
+        return np.asarray(self.mean_part[self.columns])
 
     def apply(self, deviation: FloatArray) -> FloatArray:
         """A @ deviation: (2H+1, m) from (2H+1, k)."""
-        near = times_gain(self.gain, deviation[1:] @ self.right) @ self.left.T
+        if self.columns.size > MANY_COLUMNS * len(self.far):
+            return self._at(deviation, None)
         if isinstance(self.mean_part, MeanDifference):
-            answer = self._of_far(deviation)
-            answer[0] += self.mean_part.left @ (deviation[0] @ self.mean_part.right)
-            answer[1:] += near
-            return answer
-        return np.vstack([row_products(self.mean_part, deviation[:1]), near + self._of_far(deviation[1:])])
+            answer = sums_of_rows(self.far, deviation, self.columns)
+        else:
+            mean, others = deviation[:1], deviation[1:]
+            parts = sums_of_rows(self.mean_part, mean, self.columns), sums_of_rows(self.far, others, self.columns)
+            answer = np.vstack(parts)
+        return self._with_near(answer, deviation, slice(None))
+
+    def apply_at(self, deviation: FloatArray, rows: IndexArray) -> FloatArray:
+        """A @ deviation at some rows: (2H+1, r) from (2H+1, k)."""
+        return self._at(deviation, rows)
 
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
-        answer = np.asarray(weights.astype(np.float32) @ self.far_rows, dtype=float)
-        if self._has_others:
-            answer = answer[:, self.columns]
+        answer = self._of_matrices(weights, self.columns)
         if isinstance(self.mean_part, MeanDifference):
             answer[0] += self.mean_part.right @ (weights[0] @ self.mean_part.left)
-        else:
-            answer[0] = weights[0] @ self.mean_part
         answer[1:] += times_gain(adjoint_gain(self.gain), weights[1:] @ self.left) @ self.right.T
         return answer
 
     def block(self, order: int, rows: IndexArray) -> ComplexArray:
         """``A_h`` (rows, k) of harmonic ``order`` >= 1."""
-        return with_gain(self.gain[order - 1], self.left[rows], self.right) + self._far_columns(rows)
+        return with_gain(self.gain[order - 1], self.left[rows], self.right) + self.far[np.ix_(rows, self.columns)]
 
-    @property
-    def _has_others(self) -> bool:
-        """Whether ``far_rows`` has more columns than ``columns``."""
-        return int(self.far_rows.shape[1]) != self.columns.size
-
-    def _of_far(self, deviation: FloatArray) -> FloatArray:
-        """(c, m) displacements of the far modes under deviations (c, k)."""
-        if not self._has_others:
-            return row_products(self.far_rows, deviation)
-        wide = np.zeros((len(deviation), self.far_rows.shape[1]))
+    def _at(self, deviation: FloatArray, rows: IndexArray | None) -> FloatArray:
+        """A @ deviation at some rows, or at all."""
+        wide = np.zeros((len(deviation), len(self.far)))
         wide[:, self.columns] = deviation
-        return row_products(self.far_rows, wide)
+        return self._with_near(self._of_matrices(wide, rows), deviation, slice(None) if rows is None else rows)
 
-    def _far_columns(self, rows: IndexArray | slice = slice(None)) -> SingleArray:
-        """(rows, k) of the far compliance."""
-        return self.far_rows[rows][:, self.columns] if self._has_others else self.far_rows[rows]
+    def _of_matrices(self, force: FloatArray, rows: IndexArray | None) -> FloatArray:
+        """(2H+1, r) displacements of both matrices under forces (2H+1, m)."""
+        if isinstance(self.mean_part, MeanDifference):
+            return row_products(self.far, force, rows)
+        return np.vstack([row_products(self.mean_part, force[:1], rows), row_products(self.far, force[1:], rows)])
+
+    def _with_near(self, answer: FloatArray, deviation: FloatArray, rows: IndexArray | slice) -> FloatArray:
+        """An answer at some rows with the near modes, and with the difference of the mean."""
+        # of all rows, then the chosen ones: a copy of the shapes at these takes longer than the product
+        if isinstance(self.mean_part, MeanDifference):
+            answer[0] += (self.mean_part.left @ (deviation[0] @ self.mean_part.right))[rows]
+        answer[1:] += (times_gain(self.gain, deviation[1:] @ self.right) @ self.left.T)[:, rows]
+        return answer

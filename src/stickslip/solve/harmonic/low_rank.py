@@ -20,11 +20,16 @@ from typing import Protocol
 
 import numpy as np
 
+from stickslip.core.compiled import njit
+from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import ActiveRows
 from stickslip.solve.harmonic.factors import Factor
-from stickslip.solve.harmonic.harmonic_modes import LowRankCompliance
+from stickslip.solve.harmonic.harmonic_modes import IndexArray, LowRankCompliance
 from stickslip.solve.harmonic.local_inverse import LocalInverse
+
+# chosen: unknowns of one share of the products of D with the shapes.
+OUTPUTS_AT_ONCE = 128
 
 
 class ReducedEquations(Protocol):
@@ -61,12 +66,12 @@ class LowRankInverse:
     ) -> None:
         self._local = None if compliance.local is None else LocalInverse(system, compliance.local)
         self._system, self._compliance, self._lines = system, compliance, lines
-        of_unknowns = self._change_of_shapes().transpose(1, 0, 2).reshape(system.size, -1)
+        of_unknowns = self._change_of_shapes().reshape(system.size, -1)
         if self._local is not None:
             of_unknowns, columns = self._local.solve(of_unknowns), self._local.solve(columns.T).T
         self._columns = columns
-        inner = of_unknowns.reshape(system.columns, -1, of_unknowns.shape[1]).transpose(1, 0, 2)
-        n_shapes, borders = inner.shape[2], len(columns)
+        n_shapes, borders = of_unknowns.shape[1], len(columns)
+        inner = of_unknowns.reshape(system.columns, -1, n_shapes)
         matrix = np.empty((n_shapes + borders, n_shapes + borders))
         matrix[:n_shapes, :n_shapes] = np.eye(n_shapes) + self._amplitudes(inner)
         for i, column in enumerate(columns):
@@ -90,22 +95,20 @@ class LowRankInverse:
         return np.append(inner - change - parameters @ self._columns, parameters)
 
     def _change_of_shapes(self) -> FloatArray:
-        """``D L`` (k, 2H+1, c_0 + 2 H c)."""
+        """``D L`` (2H+1, k, c_0 + 2 H c)."""
         system, compliance = self._system, self._compliance
         active, width = system.active, system.columns
-        n_pairs = active.pairs.size
-        mean, left = (each.reshape(n_pairs, 3, -1) for each in (compliance.mean, compliance.left))
-        tangent = system.tangent.reshape(n_pairs, 3 * width, 3, width)
-        of_mean = tangent[:, :, :, 0] @ mean
-        others = tangent[:, :, :, 1:].transpose(0, 1, 3, 2).reshape(n_pairs, -1, 3) @ left
-        parts = [each.reshape(3 * n_pairs, width, -1)[active.output_position] for each in (of_mean, others)]
-        return np.concatenate(parts, axis=2)
+        tangent = system.tangent.reshape(active.pairs.size, 3, width, 3, width)
+        n_shapes = compliance.mean.shape[1] + (width - 1) * compliance.left.shape[1]
+        answer = np.empty((width, active.outputs.size, n_shapes))
+        arrays = tangent, active.output_position, *map(np.ascontiguousarray, (compliance.mean, compliance.left)), answer
+        in_shares(lambda start, stop: _changes(*arrays, start, stop), active.outputs.size, OUTPUTS_AT_ONCE)
+        return answer
 
     def _amplitudes(self, change: FloatArray) -> FloatArray:
-        """``G L^T`` of columns (k, 2H+1, j): (c_0 + 2 H c, j)."""
-        compliance, (rows, width, count) = self._compliance, change.shape
-        modal = compliance.right.T @ change[:, 1:].reshape(rows, -1)
-        modal = modal.reshape(-1, width - 1, count).transpose(1, 0, 2)
+        """``G L^T`` of columns (2H+1, k, j): (c_0 + 2 H c, j)."""
+        compliance, count = self._compliance, change.shape[2]
+        modal = np.matmul(compliance.right.T, change[1:])
         cosine, sine = modal[0::2], modal[1::2]
         gain = compliance.gain
         times = np.multiply if gain.ndim == 2 else np.matmul
@@ -113,4 +116,37 @@ class LowRankInverse:
         answer = np.empty_like(modal)
         answer[0::2] = times(real, cosine) + times(imaginary, sine)
         answer[1::2] = times(real, sine) - times(imaginary, cosine)
-        return np.vstack([compliance.mean_right.T @ change[:, 0], answer.reshape(-1, count)])
+        return np.vstack([compliance.mean_right.T @ change[0], answer.reshape(-1, count)])
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _changes(
+    tangent: FloatArray,
+    position: IndexArray,
+    mean: FloatArray,
+    left: FloatArray,
+    answer: FloatArray,
+    start: int,
+    stop: int,
+) -> None:
+    """``D L`` (2H+1, k, c_0 + 2 H c) of the unknowns ``start`` to ``stop``.
+
+    From D (n_moving, 3, 2H+1, 3, 2H+1), the ``position`` (k,) of each unknown among the 3 n_moving rows, and L of the
+    mean (3 n_moving, c_0) and of the harmonics (3 n_moving, c).
+    """
+    width, n_mean, n_left = tangent.shape[2], mean.shape[1], left.shape[1]
+    for k in range(start, stop):
+        pair, axis = position[k] // 3, position[k] % 3
+        numbers = tangent[pair, axis]
+        mean_x, mean_y, mean_z = mean[3 * pair], mean[3 * pair + 1], mean[3 * pair + 2]
+        x, y, z = left[3 * pair], left[3 * pair + 1], left[3 * pair + 2]
+        for row in range(width):
+            target = answer[row, k]
+            a, b, c = numbers[row, 0, 0], numbers[row, 1, 0], numbers[row, 2, 0]
+            for i in range(n_mean):
+                target[i] = a * mean_x[i] + b * mean_y[i] + c * mean_z[i]
+            for column in range(1, width):
+                a, b, c = numbers[row, 0, column], numbers[row, 1, column], numbers[row, 2, column]
+                part = target[n_mean + (column - 1) * n_left : n_mean + column * n_left]
+                for i in range(n_left):
+                    part[i] = a * x[i] + b * y[i] + c * z[i]

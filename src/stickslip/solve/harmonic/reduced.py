@@ -113,7 +113,8 @@ class NewtonSystem:
 
     def apply(self, unknowns: FloatArray) -> FloatArray:
         """(I + D A) @ unknowns."""
-        return np.asarray(unknowns + self.deviation_change(self.comply(unknowns)))
+        inputs = self.compliance.apply_at(unknowns.reshape(self.columns, -1), self.active.inputs)
+        return np.asarray(unknowns + self.change_of_inputs(inputs))
 
     def matrix(self, borders: int = 0, columns: slice | None = None) -> FloatArray:
         """I + D A (size, size), with so many rows and columns beside it that are not filled.

@@ -46,7 +46,7 @@ from stickslip.solve.harmonic.kept_modes import (
     KeptModes,
 )
 from stickslip.solve.harmonic.linear import LinearLimit
-from stickslip.solve.harmonic.operator_products import add_springs, at_unknowns, times
+from stickslip.solve.harmonic.operator_products import add_springs, as_rows, at_unknowns, times
 from stickslip.solve.harmonic.resonances import NEAR_MODES
 from stickslip.solve.harmonic.support import (
     ROWS,
@@ -110,34 +110,42 @@ class SoftStructure(StuckStructure):
         return KeptCompliance(self, self.kept, harmonics)
 
 
+def soft_static(superelement: Superelement, pairs: ContactPairs) -> StaticFactor | None:
+    """The factor of the stuck stiffness for :func:`soft_structure`; None where all modes serve as well or are required.
+
+    These are a joint of few rows, one with many unknowns on which no pair depends, and a damping or gyroscopic matrix,
+    which may couple all modes; and a singular stiffness.
+    """
+    require_one_size(superelement, pairs)
+    if 3 * pairs.n_pairs < LARGE_ROWS or superelement.damping is not None or superelement.gyroscopic is not None:
+        return None
+    if 2 * _alone(pairs).size > int(MOST_KEPT * superelement.size):
+        return None
+    springs = pairs.resting_stiffness()
+    return StaticFactor.in_place_of(add_springs(superelement.stiffness.copy(), pairs.operator, springs))
+
+
 def soft_structure(
     superelement: Superelement,
     pairs: ContactPairs,
     force: ExcitationForce,
     highest_omega: float,
     modal_damping_ratio: float | None,
+    static: StaticFactor,
     without_friction: StaticFactor | None,
 ) -> SoftStructure | None:
-    """The stuck structure of a large joint in its soft modes; None where all modes serve as well or are required.
+    """The stuck structure of a large joint in its soft modes; None where these, with the loads, are many.
 
-    These are a joint of few rows, one with many soft modes or with many unknowns on which no pair depends, and a
-    damping or gyroscopic matrix, which may couple all modes. ``without_friction`` is that of
+    ``static`` is that of :func:`soft_static`, ``without_friction`` that of
     :func:`stickslip.solve.harmonic.support.factor_without_friction`. Raises InputError as
     :func:`stickslip.solve.harmonic.compliance.stuck_structure` does.
     """
-    size, rows = superelement.size, 3 * pairs.n_pairs
-    require_one_size(superelement, pairs)
-    if rows < LARGE_ROWS or superelement.damping is not None or superelement.gyroscopic is not None:
-        return None
+    size, operator = superelement.size, as_rows(pairs.operator)
     most = int(MOST_KEPT * size)
     loads = _loads(pairs, force)
     if 2 * loads.shape[1] > most:
         return None
     require_support_at_rest(superelement, pairs)
-    springs = pairs.resting_stiffness()
-    static = StaticFactor.in_place_of(add_springs(superelement.stiffness.copy(), pairs.operator, springs))
-    if static is None:
-        return None  # stuck_structure says why, or all modes serve
     mean, restraint = mean_factor(superelement, pairs, KnownFactors(static, without_friction))
 
     def weigh(block: FloatArray) -> FloatArray:
@@ -154,14 +162,15 @@ def soft_structure(
     near = free.modes[:, free.circular_frequency <= NEAR_MODES * highest_omega]
     first = static.solve(loads)
     beside = shapes_beside([first, static.solve(weigh(first)), near], modes, weigh)
-    stiff = superelement.stiffness @ beside + at_unknowns(springs * times(pairs.operator, beside).T, pairs.operator).T
+    springs = pairs.resting_stiffness()
+    stiff = superelement.stiffness @ beside + at_unknowns(springs * times(operator, beside).T, operator).T
     added, turn = scipy.linalg.eigh(beside.T @ stiff)
     shapes = np.hstack([modes, beside @ turn])
     frequency = np.sqrt(np.append(squares, added))
     ratio = 0.0 if modal_damping_ratio is None else modal_damping_ratio
-    rest = static.at_pairs(pairs.operator)
-    contact = times(pairs.operator, shapes) / frequency
-    for start in range(0, rows, ROWS):
+    rest = static.at_pairs(operator)
+    contact = times(operator, shapes) / frequency
+    for start in range(0, len(rest), ROWS):
         rest[start : start + ROWS] -= contact[start : start + ROWS] @ contact.T
     return SoftStructure(
         pairs, mean, restraint, frequency, shapes, modal_damping(frequency, ratio, highest_omega), highest_omega,
@@ -172,11 +181,16 @@ def soft_structure(
 def _loads(pairs: ContactPairs, force: ExcitationForce) -> FloatArray:
     """(n, l) the loads whose response is exact to the first order of inertia: those of the force, and of each unknown
     on which no pair depends."""
-    alone = np.flatnonzero(~pairs.operator.any(axis=0))
+    alone = _alone(pairs)
     units = np.zeros((pairs.operator.shape[1], alone.size))
     units[alone, np.arange(alone.size)] = 1.0
     arrays = [array[1:][array[1:].any(axis=1)].T for _, array in force.terms]
     return np.hstack([units, *arrays])
+
+
+def _alone(pairs: ContactPairs) -> NDArray[np.int64]:
+    """The unknowns on which no pair depends."""
+    return np.flatnonzero(~pairs.operator.any(axis=0))
 
 
 def soft_free_limit(superelement: Superelement, force: ExcitationForce, highest_omega: float, most: int) -> LinearLimit:

@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.operator_products import add_springs, both_sides
+from stickslip.solve.harmonic.operator_products import (
+    Rows,
+    add_springs,
+    as_rows,
+    at_squares,
+    at_unknowns,
+    both_sides,
+    times,
+)
 from stickslip.structure.superelement import Superelement
 
 # A body that only friction supports (a free damper along its axis) has no unique mean position where its pairs follow a
@@ -22,6 +30,9 @@ MEAN_RESTRAINT = 1e-6
 # Reciprocal condition number below which the scaled mean system counts as singular; chosen: five digits below
 # MEAN_RESTRAINT.
 SINGULAR_MEAN = 1e-11
+# chosen: vectors and steps of the iteration for motions that friction alone resists. Two bodies have twelve of them,
+# and all but a few other eigenvalues are below 0.04 (docs/performance.md), so that 1e-8 of their part remains.
+SUBSPACE, SUBSPACE_STEPS = 16, 6
 # chosen: rows of a large matrix at a time, so that no other array is as large.
 ROWS = 256
 
@@ -79,7 +90,7 @@ class StaticFactor:
         answer *= scale
         return np.asarray(answer)
 
-    def at_pairs(self, operator: FloatArray) -> FloatArray:
+    def at_pairs(self, operator: Rows) -> FloatArray:
         """``B (K + B^T k B)^-1 B^T`` (m, m) of the rows B (m, n) of an operator.
 
         The inverse takes a third of the operations of solutions for all rows (LAPACK dpotri).
@@ -144,6 +155,37 @@ def factor_without_friction(superelement: Superelement, pairs: ContactPairs) -> 
     """The factor without the springs of friction, None where some body would move freely."""
     springs = pairs.resting_stiffness().reshape(-1, 3)
     return StaticFactor.attempt(superelement, pairs, springs * ~pairs.frictional())
+
+
+def needs_friction(superelement: Superelement, pairs: ContactPairs, stuck: StaticFactor) -> bool:
+    """Whether a motion found here shows that some body would move freely without friction, as
+    :func:`only_friction_supports` would say; False leaves it open.
+
+    Such a motion v strains the springs of friction alone, so that ``Kbar^-1 B^T k_f B v = v`` with the ``stuck``
+    stiffness, and no eigenvalue is larger. A few steps of a subspace iteration find it, which take far less time than
+    the factor of a large joint. With unit diagonal, the quotient ``v^T K v / v^T diag(K) v`` of the stiffness K without
+    friction is an upper bound of its reciprocal condition number.
+    """
+    operator, springs = as_rows(pairs.operator), pairs.resting_stiffness()
+    released = pairs.frictional().ravel()
+    diagonal = np.diag(superelement.stiffness) + at_squares(operator, springs * ~released)
+    if not released.any() or not (diagonal > 0.0).all():
+        return False
+    block = np.random.default_rng(0).standard_normal((superelement.size, SUBSPACE))  # the same in every run
+    for _ in range(SUBSPACE_STEPS):
+        block = np.linalg.qr(block)[0]
+        released_force = (springs * released)[:, None] * times(operator, block)
+        block = stuck.solve(np.ascontiguousarray(at_unknowns(released_force.T, operator).T))
+    block = np.linalg.qr(block)[0]
+
+    def strain(motion: FloatArray) -> FloatArray:
+        relative = times(operator, motion)
+        resting = (springs * ~released)[:, None] * relative
+        return np.asarray(motion.T @ (superelement.stiffness @ motion) + relative.T @ resting)
+
+    softest = block @ scipy.linalg.eigh(strain(block), block.T @ (diagonal[:, None] * block))[1][:, :1]
+    # the quotient of this motion has the round-off of its own strain, not of that of the others
+    return float(strain(softest)[0, 0]) <= SINGULAR_MEAN * float(diagonal @ softest[:, 0] ** 2)
 
 
 def require_support_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
