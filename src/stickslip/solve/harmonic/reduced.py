@@ -41,8 +41,7 @@ TRIAL_ITERATIONS = 40
 BLOCK_ROWS = 1000
 # chosen: a larger matrix is not factored as a whole (8000 rows: 20 s and 0.5 GB); the step then fails.
 MOST_ROWS = 8000
-# chosen: digits of the answers to borders, which all solutions with one matrix share.
-ANSWER_TOLERANCE = 1e-6
+ANSWER_TOLERANCE = 1e-6  # chosen: digits of the answers to borders, which all solutions with one matrix share
 
 
 @dataclass(frozen=True)
