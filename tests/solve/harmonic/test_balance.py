@@ -81,6 +81,7 @@ def test_a_factor_helps_with_the_next_systems(blade: Blade, monkeypatch: pytest.
         exact[share] = BorderedSystem(system, [slope], [Row(np.ones(1))]).solve(trial.residual, np.zeros(1), 1e-9)
     monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
     monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
+    monkeypatch.setattr(reduced, "TRIAL_ITERATIONS", 1)
     factored = [0]
 
     class Counted(Factor):
@@ -108,6 +109,7 @@ def test_a_curve_has_one_large_factor_at_a_time(blade: Blade, monkeypatch: pytes
     """Systems of steps that wait for another attempt have none, and still solve."""
     monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
     monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
+    monkeypatch.setattr(reduced, "TRIAL_ITERATIONS", 1)
     alive: weakref.WeakSet[Factor] = weakref.WeakSet()
     before: list[int] = []
 
@@ -146,6 +148,7 @@ def test_a_factor_helps_with_systems_of_more_harmonics(blade: Blade, monkeypatch
     exact = bordered(more, wide, None).solve(wide.residual, np.ones(1), 1e-9)
     monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
     monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
+    monkeypatch.setattr(reduced, "TRIAL_ITERATIONS", 1)
     last = LastFactor()
     bordered(few, trial, last).solve(trial.residual, np.ones(1), 1e-9)
     monkeypatch.setattr(reduced, "Factor", lambda matrix: pytest.fail("a second factor"))
