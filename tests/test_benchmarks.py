@@ -143,6 +143,7 @@ def test_bolts_press_with_their_force_and_asperities_share_it(monkeypatch: pytes
     assert two_beam.exponential_loads(2) == pytest.approx([1.0 - np.log(2.0), 1.0 + np.log(2.0)])
 
 
+@pytest.mark.long
 def test_patches_move_rigidly_and_their_slip_has_its_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     """benchmarks/lap_patches.py: rigid motions pass; little slip, and sliding, in closed form."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))
@@ -169,6 +170,7 @@ def test_patches_move_rigidly_and_their_slip_has_its_limits(monkeypatch: pytest.
     assert damping == pytest.approx(4.0 * 0.5e-6 / (2.0 * np.pi * energy * amplitude), rel=0.01)
 
 
+@pytest.mark.long
 def test_the_force_of_an_iwan_joint_at_phase_resonance_is_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
     """F = a (2 zeta m + 2 R a / (3 pi w^4)): the loop of chi = 0 against the controlled response of half_brb.py."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))

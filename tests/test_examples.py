@@ -41,7 +41,7 @@ def test_users_import_the_public_package_and_nothing_deeper(path: Path) -> None:
     assert not re.findall(rf"\bstickslip\.(?:{'|'.join(ROOMS)})\b.*", text)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     module = runpy.run_path("examples/own_matrices.py")
@@ -54,7 +54,7 @@ def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
     assert abs(numbers["difference"]) < 3e-3
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_joint_laws(capsys: pytest.CaptureFixture[str]) -> None:
     actual = runpy.run_path(str(ROOT / "examples" / "joint_laws.py"))["main"]()
     assert "0.2 N: peak at" in capsys.readouterr().out
@@ -64,7 +64,7 @@ def test_joint_laws(capsys: pytest.CaptureFixture[str]) -> None:
     assert all(2.0 < more / less < 2.0**2.5 for less, more in pairwise(energies))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
     module = runpy.run_path(str(ROOT / "examples" / "measured_roughness.py"))
     fit = module["main"]()
@@ -78,7 +78,7 @@ def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
     assert numbers[0] == pytest.approx(numbers[1], abs=2e-4)  # the last digit of um may round otherwise elsewhere
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_roughness_page_shows_what_the_command_prints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = (ROOT / "docs" / "roughness.md").read_text(encoding="utf-8")
     command = matched(r"^stickslip (roughness .+)$", page, flags=re.MULTILINE).group(1)
@@ -92,7 +92,7 @@ def test_roughness_page_shows_what_the_command_prints(tmp_path: Path, monkeypatc
         assert float(one) == pytest.approx(float(other), rel=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_blades(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """On a coarse mesh."""
     load_case = ss.load_case
@@ -104,7 +104,7 @@ def test_two_blades(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Monk
     assert capsys.readouterr().out.count("0-to-peak") == 3
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)
@@ -115,7 +115,7 @@ def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: py
     assert 190.0 < amplitude < 205.0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_page_on_rotation_runs(capsys: pytest.CaptureFixture[str]) -> None:
     page = (ROOT / "docs" / "theory_rotation.md").read_text(encoding="utf-8")
     names: dict[str, Any] = {}
@@ -170,7 +170,7 @@ def documented_commands() -> list[str]:
     return sorted({" ".join(line.split()) for line in actual})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("line", documented_commands())
 def test_documented_commands_are_understood(line: str) -> None:
     """Name, options and kinds of values are those of the program. "[--workers 2]" marks what may be left out."""
@@ -197,7 +197,7 @@ def test_the_readme_counts_the_curves_of_the_published_study() -> None:
     assert f" {count} curves of" in guide
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The commands of docs/sweeps.md run as printed, in one process and on a coarse mesh; so does its script."""
     guide = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
@@ -221,7 +221,7 @@ def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
         assert option in options
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_guide_to_bands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The script of docs/band.md on a coarse mesh; the options of its command."""
     guide = (ROOT / "docs" / "band.md").read_text(encoding="utf-8")

@@ -37,6 +37,7 @@ def promised(section: str) -> list[str]:
 SLOW = ("A new parameter",)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "section", [pytest.param(each, marks=pytest.mark.slow if each in SLOW else ()) for each in SECTIONS]
 )

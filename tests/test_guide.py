@@ -56,7 +56,7 @@ def test_the_guide_to_the_report_follows_the_page() -> None:
     assert shown == sorted(shown)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_first_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every command as printed; the study file is the coarse one, so that it takes seconds."""
     monkeypatch.chdir(tmp_path)

@@ -77,7 +77,7 @@ def test_continuous_integration_runs_the_versions_that_the_package_promises(proj
         assert words in workflow
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_every_room_has_quick_tests() -> None:
     """``make check`` touches each folder of tests that mirrors the code."""
     for folder in sorted((ROOT / "src" / "stickslip").iterdir()):

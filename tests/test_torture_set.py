@@ -164,7 +164,7 @@ def test_parts_of_the_range_that_overlap_become_one_with_the_finest_step() -> No
     assert second[0] == pytest.approx((140.0, 155.0))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_search_finds_the_peak_of_a_linear_resonance() -> None:
     """Under a preload at which nothing slips the peak has the closed form ``phi_o phi_F / (2 zeta w^2)``. The tested
     curve has it, or lost its points there."""
@@ -214,7 +214,7 @@ def test_the_table_resumes_from_its_folder(tmp_path: Path) -> None:
     assert str(tmp_path) in other.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_time_limit_ends_a_problem_and_says_where(tmp_path: Path) -> None:
     command = [sys.executable, str(BENCHMARKS / "torture.py"), str(tmp_path), "--classes", "narrow", "--seeds", "2:3"]
     run = subprocess.run([*command, "--time-limit", "0.05"], capture_output=True, text=True, check=True)

@@ -198,7 +198,7 @@ def test_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
     assert load_case(path).friction.coefficient == 0.4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_units_package_is_loaded_for_units_only() -> None:
     import subprocess
 

@@ -158,7 +158,7 @@ WRONG = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("text", "keys"), WRONG.values(), ids=WRONG.keys())
 def test_wrong_study_file(text: str, keys: tuple[str, ...], tmp_path: Path) -> None:
     path = tmp_path / "study.toml"

@@ -133,7 +133,7 @@ def require_finite(case: Case) -> None:
         assert not isinstance(value, float) or np.isfinite(value), name
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(("section", "key", "limits"), NUMERIC, ids=[f"{name}.{key}" for name, key, _ in NUMERIC])
 def test_values_that_no_computer_can_use_are_rejected_by_their_key(
@@ -178,7 +178,7 @@ def test_directions(section: str, key: str, value: list[float], bases: dict[str,
     printed_sentence(str(caught.value))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_limits_themselves_end_in_finite_numbers_or_a_sentence(kind: str, bases: dict[str, dict[str, Any]]) -> None:
     """What a key allows is computed with: warnings of Python are errors in the tests."""
@@ -200,7 +200,7 @@ def test_the_limits_themselves_end_in_finite_numbers_or_a_sentence(kind: str, ba
     assert built > 10
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_check_of_a_study_ends_at_its_limits() -> None:
     """The soft end of Young's modulus beside stiff contact: the eigenvalues end after a bounded number of restarts."""
     casting = {key.partition(".")[2]: value for key, value in ROUGH_CASTING.items() if key.startswith("roughness.")}

@@ -46,7 +46,7 @@ def mutated(text: str, rng: random.Random) -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(8))
 def test_mutations(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)

@@ -202,7 +202,7 @@ def test_a_dotted_key_is_not_called_a_default(tmp_path: Path) -> None:
     assert rejected("check", path).startswith(f"{path}, geometry.damper_length, geometry.width: ")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_real_process_says_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(BLADES.replace('"28 mm"', '"29 mm"\nwidth = "28 mm"'), encoding="utf-8")
     code = "from stickslip.cli.main import main; main()"

@@ -85,7 +85,7 @@ def test_a_stopped_sweep_reports_it_and_continues(tmp_path: Path) -> None:
     assert list(out.rglob(".*.part")) == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @posix
 @pytest.mark.parametrize("name", SIGNALS)
 def test_a_stopped_run_reports_it_and_leaves_nothing(tmp_path: Path, name: str) -> None:
@@ -134,7 +134,7 @@ def test_the_second_signal_does_not_disturb_the_end() -> None:
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("arguments", [["check"], ["new"], ["--help"]])
 def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, arguments: list[str]) -> None:
     """``stickslip check study.toml | head -1``"""
@@ -161,7 +161,7 @@ def test_a_run_continues_when_nobody_reads_its_output(tmp_path: Path) -> None:
     assert (out / "report.html").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @posix
 def test_a_limit_of_file_sizes_is_found_before_solving(tmp_path: Path) -> None:
     """``(ulimit -f 1000; stickslip run study.toml --out fs)``"""

@@ -34,7 +34,7 @@ def invoke(*arguments: object) -> Any:
     return CliRunner().invoke(app, ["roughness", *map(str, arguments)])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path) -> None:
     result = invoke(PROFILE, "--out", tmp_path)
     assert result.exit_code == 0, result.output
@@ -77,7 +77,7 @@ def test_options_reach_the_fit() -> None:
     assert "10 um to 200 um" in result.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("few_simulations")
 @pytest.mark.filterwarnings("ignore:Could not import mpi4py:ImportWarning")  # SurfaceTopography does without
 @pytest.mark.parametrize("ending", ["sur", "opd", "al3d", "plu"])

@@ -30,7 +30,7 @@ def run(temporary: Path, code: str = CODE, **more: str) -> subprocess.CompletedP
     return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows have no owner's number")
 def test_code_is_kept_among_the_temporary_files_and_that_is_reported_once(tmp_path: Path) -> None:
     done = run(tmp_path)
@@ -42,7 +42,7 @@ def test_code_is_kept_among_the_temporary_files_and_that_is_reported_once(tmp_pa
     assert run(tmp_path).stdout == done.stdout  # the next run finds the code of the first
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows have no owner's number")
 def test_a_folder_that_others_can_write_is_not_trusted(tmp_path: Path) -> None:
     folder = tmp_path / f"stickslip-numba-{os.getuid()}"

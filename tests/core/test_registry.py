@@ -36,7 +36,7 @@ def test_an_unknown_name_lists_those_that_there_are() -> None:
         shelf().find("box")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("group", "name", "code"),
     [

@@ -63,7 +63,7 @@ def test_progress_lines_are_printable() -> None:
     assert "\x9b" not in stream.getvalue()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_one_place_prints() -> None:
     """No module but core/terminal.py writes to a stream; what goes to a rich console passes printable or is a table."""
     wrong = []

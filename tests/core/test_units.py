@@ -108,7 +108,7 @@ def test_shown_value_is_read_back_to_15_digits(value: float) -> None:
     assert LENGTH.parse(LENGTH.text(value).strip('"')) == pytest.approx(value, rel=1e-14)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @settings(max_examples=300)
 @given(st.text(max_size=12) | st.text("mNkgs*/^-+12 nafiNAF%µ(", max_size=8))
 def test_any_text_is_read_or_rejected(text: str) -> None:

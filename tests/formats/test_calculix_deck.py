@@ -49,13 +49,13 @@ def compared(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_frequencies(compared: SimpleNamespace) -> None:
     own = frequencies(*compared.ours, 10)  # type: ignore[call-arg]
     np.testing.assert_allclose(own, compared.printed, rtol=FREQUENCY[compared.element])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_stored_matrices_give_the_frequencies_that_calculix_prints(compared: SimpleNamespace) -> None:
     actual = frequencies(compared.model.stiffness, compared.model.mass, 10)
     np.testing.assert_allclose(actual, compared.printed, rtol=1e-6)
@@ -82,7 +82,7 @@ def test_stored_matrices_entry_by_entry(compared: SimpleNamespace) -> None:
         assert abs(own - actual).max() <= limit * abs(own).max()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("compared", ["C3D4", "C3D10", "C3D15", "C3D6"], indirect=True)
 def test_tetrahedra_and_wedges_differ_by_the_points_of_their_quadrature(compared: SimpleNamespace) -> None:
     """Stiffness and mass of the hexahedra are the same entry by entry: nothing is left to explain there."""

@@ -10,7 +10,7 @@ from stickslip.model.model import build_model, kind_of
 from turning_cases import disk_case
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_coriolis_forces_of_a_disk_are_those_of_the_rotating_sector() -> None:
     model = build_model(disk_case(speed="9000 rpm", coriolis=True))
     sector = model.in_study.sector

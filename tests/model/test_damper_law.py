@@ -32,7 +32,7 @@ def test_both_faces_follow_the_law_with_the_springs_at_rest_of_coulomb_pairs() -
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_study_with_the_law_moves_its_peak_reports_the_difference_and_balances_its_energy() -> None:
     solutions = [ss.solve_case(quick_case().replace(changes)) for changes in ({}, EXPONENTIAL)]
     curves = [each.response for each in solutions]
@@ -48,7 +48,7 @@ def test_a_study_with_the_law_moves_its_peak_reports_the_difference_and_balances
     assert second != pytest.approx(first, rel=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_under_a_solved_preload_the_pairs_follow_the_curve_of_their_face() -> None:
     """Machined faces: some pairs are open at rest or nearly so, the others have nearly the same length."""
     case = ss.Case().replace(

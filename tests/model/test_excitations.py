@@ -108,7 +108,7 @@ def test_unbalance_turns_about_its_axis() -> None:
     np.testing.assert_allclose(force, 2e-6 * omega**2 * unit, atol=1e-15)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_case_is_solved_in_memory() -> None:
     case = mesh_case(solver__frequency_start="1850 Hz", solver__frequency_stop="1842 Hz")
     solution = ss.solve_case(case, threads=1)

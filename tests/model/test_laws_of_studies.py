@@ -14,7 +14,7 @@ from stickslip.contact.law.registry import law_constants
 from stickslip.study.facts import resting_state
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", STUDIES)
 def test_a_study_gives_what_python_gives(name: str, tmp_path: Path) -> None:
     masses = write_masses(tmp_path)
@@ -28,7 +28,7 @@ def test_a_study_gives_what_python_gives(name: str, tmp_path: Path) -> None:
     assert (curve.contact_state != 0).any() or name == "cubic"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_cubic_spring_of_a_study_follows_its_backbone(tmp_path: Path) -> None:
     """Duffing with one harmonic: at the peak of the response w^2 = (k + 3/4 k3 X^2) / m."""
     write_masses(tmp_path)
@@ -95,7 +95,7 @@ def test_coulomb_by_name_is_the_joint_that_a_study_without_a_law_has(tmp_path: P
         np.testing.assert_array_equal(getattr(named.pairs.coulomb, key), value)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("traction", ["kept", "released"])
 def test_laws_of_a_study_under_a_solved_preload_are_those_of_python(traction: str, tmp_path: Path) -> None:
     """Each of three masses on a joint of its own is pulled aside and pressed, then excited about this state."""

@@ -48,7 +48,7 @@ def law_of(model: ReducedModel) -> ExponentialContact:
     return law
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_law_about_rest_is_the_curve_that_the_static_solution_followed(tmp_path: Path) -> None:
     """Under half more load on the same curve, the law about the first state gives the forces of the second one."""
     model = ss.build_model(study(tmp_path, 6.0, 2.0))
@@ -69,7 +69,7 @@ def test_the_law_about_rest_is_the_curve_that_the_static_solution_followed(tmp_p
     np.testing.assert_allclose(law.normal_law.force(closing)[0] / law.normal_load, growth, rtol=1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_open_and_nearly_open_pairs_keep_coulomb_friction(tmp_path: Path) -> None:
     """6 N press the first mass; the second one is pulled off, the third is on the linear start of the curve."""
     model = ss.build_model(study(tmp_path, 6.0, -1.0, 0.005))
@@ -82,7 +82,7 @@ def test_open_and_nearly_open_pairs_keep_coulomb_friction(tmp_path: Path) -> Non
     np.testing.assert_allclose(model.joint.resting_springs, model.pairs.resting_stiffness(), rtol=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("traction", ["released", "kept"])
 def test_a_study_solves_its_curve_about_that_state(traction: str, tmp_path: Path) -> None:
     """The same law by hand about the state at rest gives the curve of the study."""

@@ -68,7 +68,7 @@ def two_blades(traction: str) -> Model:
     return built(casting_case().replace(COARSE_MESH | changes | {"roughness.fractal_roughness": "1e-10 m"}))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("preload", [SOLVED, PRESCRIBED], ids=["solved", "prescribed"])
 def test_one_state_in_report_shapes_and_curve(tmp_path: Path, preload: dict[str, object]) -> None:
     outcome = study.run(block_case(preload), tmp_path)
@@ -171,7 +171,7 @@ def test_friction_limit_only_where_the_state_was_found_with_friction() -> None:
     assert all(float(retained[name][0]) > 1.0 and "resultant" in retained[name][1] for name in forces)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_sweep_gives_no_table_of_closed_pairs_to_a_case_with_open_ones(tmp_path: Path) -> None:
     case = quick_case().replace({"preload.method": "solved", "roughness.fractal_roughness": "1e-10 m"})
     setup = set_up(case)
@@ -186,7 +186,7 @@ def test_a_sweep_gives_no_table_of_closed_pairs_to_a_case_with_open_ones(tmp_pat
     assert saved.study.mode_table == ()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_sweep_compares_a_case_with_open_pairs_with_its_reference(tmp_path: Path) -> None:
     """There is no table of the full model, so the stuck frequencies of the reduced one stand beside the reference."""
     opened = {"preload.method": "solved", "roughness.fractal_roughness": "1e-10 m"}

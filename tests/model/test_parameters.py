@@ -28,6 +28,7 @@ def parameters_of_case(case: Case) -> dict[str, ss.Parameter]:
     return {each.name: each for each in ss.case_parameters(case, ss.build_model(case))}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "modes"),
     [
@@ -96,6 +97,7 @@ def test_values_that_have_no_derivative_are_rejected() -> None:
         ss.case_parameters(case, model, "no output")
 
 
+@pytest.mark.long
 def test_rayleigh_damping() -> None:
     """Rayleigh damping follows the changed matrices."""
     case = quick_case().replace({"damping.rayleigh_alpha": "8 1/s", "reduction.modes": 30})

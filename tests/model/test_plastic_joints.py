@@ -68,7 +68,7 @@ def test_plastic_faces_of_other_loads_are_as_the_roots_of_their_real_areas() -> 
     assert all(joint.faces_with_least_stiffness == (True, True) for joint in joints)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     "changes",
     [{}, {"roughness.allocation": "pressure"}, {"preload.normal_law": "pressure-gap"}],

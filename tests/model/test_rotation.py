@@ -157,7 +157,7 @@ def test_a_damper_and_its_blades_have_one_speed() -> None:
     assert not any("normal loads" in words for words in same)  # the load is that of the speed
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_disk_of_a_study_has_the_frequencies_of_the_rotating_sector() -> None:
     case = disk_case(speed="9000 rpm")
     model, rest = build_model(case), build_model(disk_case())
@@ -235,7 +235,7 @@ def test_the_reduction_for_all_speeds_is_read_from_the_disk(tmp_path: Path, monk
     assert len(list((tmp_path / "cache").glob("rotating-*.npz"))) == 2
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_reduction_of_a_sector_is_read_from_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
     first = build_model(disk_case(speed="3000 rpm")).substructure.require_sector()
@@ -360,7 +360,7 @@ def test_a_reduction_for_all_speeds_has_no_gradients(tmp_path: Path) -> None:
         case.replace({"analysis.gradients": True})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_gradient_of_a_peak_by_the_speed_is_that_of_two_more_runs(tmp_path: Path) -> None:
     changes = {
         "solver.frequency_start": "360 Hz", "solver.frequency_stop": "400 Hz", "solver.harmonics": 3,

@@ -79,7 +79,7 @@ def test_stiffness_follows_the_solved_load_of_the_face() -> None:
     assert expected[0] < 0.95 * without_friction[0]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads() -> None:
     local, curve = model(roughness__allocation="pressure"), model(preload__normal_law="pressure-gap")
     for actual in (local, curve):
@@ -98,7 +98,7 @@ def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     "allocation",
     [{}, {"roughness__allocation": "pressure", "roughness__reference_area": "0.002 m^2"}],  # models of other tests
@@ -112,7 +112,7 @@ def test_on_the_curve_tangential_stiffness_follows_the_pressure_of_each_pair(all
     np.testing.assert_allclose(joint.tangential_stiffness / joint.normal_stiffness, ratio, rtol=2e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("normal_law", ["spring", "pressure-gap"])
 @pytest.mark.parametrize("reference", [20e-6, 2000e-6])
 def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, reference: float) -> None:

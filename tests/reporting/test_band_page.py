@@ -145,7 +145,7 @@ def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
         write_band_page(tmp_path / "no" / "band.html", band_statistics(PEAKS), "t", StudyText(""), PROVENANCE)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_page_in_a_browser(tmp_path: Path) -> None:
     path = tmp_path / "band.html"
     statistics = band_statistics([*PEAKS, None], ["peak_amplitude < 0.25 mm"], (3,), tractions())

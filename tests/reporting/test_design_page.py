@@ -89,7 +89,7 @@ def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
         write_design_page(tmp_path / "no" / "design.html", design_result(), "t", StudyText(""), PROVENANCE)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_page_in_a_browser(tmp_path: Path) -> None:
     path = tmp_path / "design.html"
     write_design_page(path, design_result(), "Two blades", StudyText("[study]"), PROVENANCE)

@@ -88,7 +88,7 @@ def test_structure_function_draws_measurement_and_fit_of_each_direction() -> Non
     assert [line.get_label() for line in one] == ["measured", f"fit: {raised('D = 1.000, G = 2.65e-09 m')}"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_all_figures_are_written(case: tuple[ForcedResponse, StudyRecord], tmp_path: Path) -> None:
     written = figures.save_all(tmp_path, *case, formats=("svg",))
     assert {path.name for path in written} == {

@@ -187,7 +187,7 @@ def test_a_template_that_names_what_it_was_not_given_is_an_error() -> None:
         rendered("structure.html", {"legend": [], "deflection": "", "words": "", "still": ""})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["$x^{2$", "--><script>", "<b>R&D</b>"])
 def test_a_figure_shows_names_as_they_are(tmp_path: Path, name: str) -> None:
     """A "$" begins no mathematics, and names in an SVG file are no elements of it, nor end a comment."""

@@ -72,6 +72,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 @PAGES
 def test_nothing_runs_and_all_text_is_read(browser: Any, folder: Path, kind: str) -> None:
     fields = {"sweep": SWEEP_FIELDS, "paper": PAPER_FIELDS}.get(kind, STUDY_FIELDS)
@@ -88,6 +89,7 @@ def test_nothing_runs_and_all_text_is_read(browser: Any, folder: Path, kind: str
         assert page.locator("body script:not([src])").count() == {"report": 9, "sweep": 4, "paper": 1}[kind]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "plots"), [("report", 13), ("sweep", 8)])
 def test_plots_show_names_as_they_are(browser: Any, folder: Path, kind: str, plots: int) -> None:
     with opened_page(browser, folder / f"{kind}.html") as page:
@@ -115,6 +117,7 @@ def test_plots_show_names_as_they_are(browser: Any, folder: Path, kind: str, plo
         assert page.evaluate("window.pwned") is None
 
 
+@pytest.mark.long
 def test_a_choice_of_the_reader_shows_names_as_they_are(browser: Any, folder: Path) -> None:
     """The script of the page, too, writes text and no markup."""
     with opened_page(browser, folder / "report.html") as page:
@@ -128,6 +131,7 @@ def test_a_choice_of_the_reader_shows_names_as_they_are(browser: Any, folder: Pa
         assert page.evaluate("window.pwned") is None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["plain-report", "plain-sweep", "paper"])
 def test_the_policy_stops_what_the_page_does_not_carry(browser: Any, folder: Path, kind: str) -> None:
     page = browser.new_page()
@@ -161,6 +165,7 @@ def test_the_policy_stops_what_the_page_does_not_carry(browser: Any, folder: Pat
     page.close()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "plot"), [("plain-report", "curve"), ("plain-sweep", "curves")])
 def test_a_plot_is_saved_as_a_picture_and_sent_to_nobody(browser: Any, folder: Path, kind: str, plot: str) -> None:
     with opened_page(browser, folder / f"{kind}.html") as page:
@@ -184,6 +189,7 @@ def test_a_plot_is_saved_as_a_picture_and_sent_to_nobody(browser: Any, folder: P
         assert float(rows[1][0]) > 0.0
 
 
+@pytest.mark.long
 def test_a_table_is_saved_as_csv(browser: Any, folder: Path) -> None:
     with opened_page(browser, folder / "plain-report.html") as page:
         tables = page.locator(".scroll > table").count()
@@ -194,6 +200,7 @@ def test_a_table_is_saved_as_csv(browser: Any, folder: Path) -> None:
         assert rows["Highest peak on the curve: amplitude, 0-to-peak, mean included"].endswith("µm")
 
 
+@pytest.mark.long
 def test_the_contents_lead_to_every_section(browser: Any, folder: Path) -> None:
     with opened_page(browser, folder / "plain-report.html") as page:
         links = page.eval_on_selector_all(".contents a", "all => all.map(each => each.getAttribute('href').slice(1))")

@@ -228,7 +228,7 @@ def test_maps_and_loops_are_thinned_to_the_room_and_keep_the_peak(
     assert (data["mapPoints"], data["loops"]["points"]) == ([view.point], [])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("n_pairs", "n_points"), [(1000, 600), (5000, 600), (110, 10_000)])
 def test_no_page_grows_beyond_its_limit(n_pairs: int, n_points: int) -> None:
     response, study = large_result(n_pairs, n_points)

@@ -82,11 +82,13 @@ _WATCH = """(() => {
 })()"""
 
 
+@pytest.mark.long
 def test_the_curve_is_shown_before_the_other_figures_are_drawn(browser: Any, report: Path) -> None:
     with opened_page(browser, report, before=_WATCH) as page:
         assert page.evaluate("window.curveFirst") is True
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_plots_are_drawn_and_nothing_overflows(page: Any) -> None:
     assert page.locator(".js-plotly-plot").count() == PLOTS
@@ -114,6 +116,7 @@ def test_slider_moves_the_maps_the_cursor_and_the_signals(page: Any) -> None:
     assert colours(page, "state-map-0") == before[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_pair_by_select_click_and_arrow_keys(page: Any) -> None:
     before, chosen = loop(page), page.input_value("#pair")
@@ -147,6 +150,7 @@ SHOWN = """Object.fromEntries(
       trace.marker.color, trace.marker.symbol, trace.marker.cmin, trace.marker.cmax, trace.marker.cauto]])]))"""
 
 
+@pytest.mark.long
 def test_what_the_page_opens_with_is_what_a_choice_of_the_same_point_shows(browser: Any, report: Path) -> None:
     with opened_page(browser, report) as page:
         opened = page.evaluate(SHOWN)
@@ -169,12 +173,14 @@ def test_loop_of_the_page_is_that_of_the_package(page: Any) -> None:
         assert drawn[axis][:-1] == pytest.approx(force[:, axis].tolist(), abs=2e-4 * abs(force[:, 2]).max())
 
 
+@pytest.mark.long
 def test_curve_has_a_logarithmic_axis_on_request(page: Any) -> None:
     page.click("#scale")
     page.wait_for_function("document.getElementById('curve').layout.yaxis.type === 'log'")
     assert page.inner_text("#scale") == "Linear axis"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_keyboard_alone_moves_the_point_and_the_pair(browser: Any, report: Path, width: int) -> None:
     with opened_page(browser, report, width) as page:  # of its own: the keyboard starts at its top
@@ -215,6 +221,7 @@ def go_to(page: Any, name: str) -> None:
         page.keyboard.press("Tab")
 
 
+@pytest.mark.long
 def test_size_and_points_of_a_long_curve(browser: Any, tmp_path: Path) -> None:
     """Pages stay small because the curves and loops are thinned by their shape; nothing of the shape is lost."""
     response = synthetic_response(n_points=150)
@@ -228,6 +235,7 @@ def test_size_and_points_of_a_long_curve(browser: Any, tmp_path: Path) -> None:
         assert page.locator(".js-plotly-plot").count() == PLOTS
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("n_pairs", "characters", "has_loops"), [(2000, 9_000_000, True), (110, 216_000, False)])
 def test_what_a_page_of_very_many_pairs_leaves_out_is_reported(
     browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, n_pairs: int, characters: int, has_loops: bool
@@ -277,6 +285,7 @@ _COVERED = """[...document.querySelectorAll('.quantities tbody tr')].filter(row 
 }).map(row => row.textContent)"""
 
 
+@pytest.mark.long
 def test_on_a_phone_marks_and_numbers_do_not_cover_each_other(browser: Any, tmp_path: Path) -> None:
     study = synthetic_study()
     row = ("Natural frequencies, stuck", "1495.33, 1517.56, 1230.27, 1292.33", "Hz", "contacts that are closed")

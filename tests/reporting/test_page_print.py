@@ -27,6 +27,7 @@ def heights_of_headings(pdf: bytes) -> dict[str, float]:
     return {title.decode("latin-1"): float(height) for title, height in entries}
 
 
+@pytest.mark.long
 def test_a_heading_stays_on_the_page_of_its_first_plot(tmp_path: Path) -> None:
     report = tmp_path / "report.html"
     write_page(report, synthetic_response(), synthetic_study())
@@ -50,6 +51,7 @@ _BETWEEN = """() => {
 }"""
 
 
+@pytest.mark.long
 def test_the_legend_between_forces_and_displacements_covers_no_curve(tmp_path: Path) -> None:
     report = tmp_path / "report.html"
     write_page(report, synthetic_response(), synthetic_study())

@@ -38,7 +38,7 @@ def clear(page: Any) -> bool:
     return bool(under == 0 and outside <= 1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_label_is_clear(tmp_path: Path, width: int) -> None:
     path = tmp_path / "report.html"

@@ -48,7 +48,7 @@ def test_each_sentence_is_an_item_with_forces_in_newton() -> None:
     assert facts[2].startswith("Checked with 7 harmonics by a whole curve at 300 N: 15 µm")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("width", "media"), [(WIDTHS[0], "screen"), (WIDTHS[0], "print"), (WIDTHS[1], "screen")])
 def test_the_legend_is_complete_and_leaves_room_for_the_curves(tmp_path: Path, width: int, media: str) -> None:
     path = tmp_path / "page.html"

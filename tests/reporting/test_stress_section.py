@@ -99,6 +99,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_the_list_colours_every_surface_and_takes_the_colours_back(browser: Any, report: Path) -> None:
     look = """() => document.getElementById('structure-plot')._fullData.filter(trace => trace.type === 'mesh3d').map(
       trace => [trace.intensity ? Math.max(...trace.intensity) : null, trace.opacity, Boolean(trace.showscale)])"""
@@ -116,6 +117,7 @@ def test_the_list_colours_every_surface_and_takes_the_colours_back(browser: Any,
         assert page.evaluate(look) == before
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_page_with_a_stress_can_be_read(browser: Any, report: Path, width: int) -> None:
     with opened_page(browser, report, width) as page:

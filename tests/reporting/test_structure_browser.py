@@ -101,6 +101,7 @@ def face_pixels(page: Any) -> float:
     return float(reddish.mean())
 
 
+@pytest.mark.long
 def test_the_contact_is_seen_at_once_and_larger_in_its_own_view(page: Any) -> None:
     whole = face_pixels(page)
     assert whole > 5e-4
@@ -112,6 +113,7 @@ def test_the_contact_is_seen_at_once_and_larger_in_its_own_view(page: Any) -> No
 _NAMES = "document.getElementById('structure-plot').data.find(trace => trace.mode === 'text').text"
 
 
+@pytest.mark.long
 def test_directions_have_names_only_where_the_contact_is_large(browser: Any, tmp_path: Path) -> None:
     middle, ends = np.array([[0.048, 0.048, 0.1], [0.0, 0.0, 0.0]]), np.zeros((2, 2, 3))
     ends[:, 0, :2] = np.eye(2)
@@ -125,6 +127,7 @@ def test_directions_have_names_only_where_the_contact_is_large(browser: Any, tmp
         wait_until(page, lambda: page.evaluate(_NAMES) == ["", ""])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_everything_can_be_read_and_labels_are_inside_and_apart(browser: Any, report: Path, width: int) -> None:
     with opened_page(browser, report, width) as page:
@@ -145,6 +148,7 @@ def test_everything_can_be_read_and_labels_are_inside_and_apart(browser: Any, re
                 assert wide <= 1.0 or high <= 1.0, (box, other)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("degrees", [0, 90, 230])
 def test_the_slider_shows_the_shape_at_its_phase(page: Any, degrees: int) -> None:
     assert points(page) == pytest.approx(1e3 * MOVING.points[:8], abs=1e-4)
@@ -166,6 +170,7 @@ def test_the_slider_shows_the_shape_at_its_phase(page: Any, degrees: int) -> Non
     assert points(page) == pytest.approx(1e3 * MOVING.points[:8], abs=1e-4)
 
 
+@pytest.mark.long
 def test_the_keyboard_reaches_all_of_it(browser: Any, report: Path) -> None:
     with opened_page(browser, report) as page:
         stops = tab_stops(page)
@@ -175,6 +180,7 @@ def test_the_keyboard_reaches_all_of_it(browser: Any, report: Path) -> None:
     assert {"box 1", "box 2", "contact, Left face", "Whole structure", "Contact"} <= set(names)
 
 
+@pytest.mark.long
 def test_the_keyboard_alone_plays_pauses_and_moves_the_phase(page: Any) -> None:
     page.locator("#structure-play").focus()
     page.keyboard.press("Enter")
@@ -218,6 +224,7 @@ def test_arrow_keys_turn_it_and_plus_and_minus_zoom(page: Any) -> None:
     assert eye[2] / np.linalg.norm(eye) < 1.0  # never over the top
 
 
+@pytest.mark.long
 def test_the_mouse_turns_it_also_while_it_plays(page: Any) -> None:
     page.locator("#structure-plot").scroll_into_view_if_needed()
     start = page.evaluate(CAMERA)
@@ -265,6 +272,7 @@ def test_on_paper_there_is_the_still_picture_alone(page: Any) -> None:
     page.emulate_media(media="screen")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("lost", [False, True])
 def test_without_webgl_a_sentence_and_the_still_picture_appear(browser: Any, report: Path, lost: bool) -> None:
     with opened_page(browser, report, before="" if lost else NO_WEBGL) as page:
@@ -285,6 +293,7 @@ def test_without_scripts_there_is_the_still_picture(browser: Any, report: Path) 
         assert not page.locator("#structure-no-webgl").is_visible()
 
 
+@pytest.mark.long
 def test_a_record_without_a_motion_shows_the_structure_and_no_controls(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "report.html"
     write_page(path, synthetic_response(), dataclasses.replace(synthetic_study(), sketch=stacked_boxes()))

@@ -136,7 +136,7 @@ def test_the_page_has_the_structure_before_the_contact_states() -> None:
     assert "structure-data" not in without
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_page_with_the_largest_picture_stays_below_its_limit() -> None:
     response, study = large_result(5000, 600)
     text = page(response, dataclasses.replace(study, sketch=rough_sheet(COUNT, response.harmonics)))

@@ -265,7 +265,7 @@ _CRAMPED = """[...document.querySelectorAll('.js-plotly-plot')].filter(plot => {
 }).map(plot => plot.id)"""
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_printed_legends_are_complete_and_leave_room_for_the_curves(browser: Any, sweep_file: Path) -> None:
     with opened_page(browser, sweep_file) as page:
         shown = page.evaluate("document.getElementById('curves')._fullLayout.height")
@@ -278,7 +278,7 @@ def test_printed_legends_are_complete_and_leave_room_for_the_curves(browser: Any
         assert page.evaluate("document.getElementById('curves')._fullLayout.height") == shown
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_page_draws_itself_without_network(browser: Any, sweep_file: Path, width: int) -> None:
     with opened_page(browser, sweep_file, width) as page:
@@ -288,7 +288,7 @@ def test_the_page_draws_itself_without_network(browser: Any, sweep_file: Path, w
         page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_keyboard_reaches_everything(browser: Any, sweep_file: Path) -> None:
     with opened_page(browser, sweep_file) as page:
         stops = tab_stops(page)
@@ -301,7 +301,7 @@ def test_the_keyboard_reaches_everything(browser: Any, sweep_file: Path) -> None
         page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_large_sweep_stays_small_and_draws_every_curve(browser: Any, tmp_path: Path) -> None:
     loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
     view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)], points=2001)

@@ -35,6 +35,7 @@ def browser() -> Iterator[Any]:
         yield opened
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("size", [1.0, 1e-9, 3.33e5])
 def test_numbers_stay_inside_their_tiles(browser: Any, tmp_path: Path, width: int, size: float) -> None:

@@ -22,7 +22,7 @@ def oscillators(cosine: list[float], sine: list[float]) -> ss.ForcedResponse:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("cosine", "sine"),
     [([1.0, 0.0, 0.0], [0.0, 0.0, 0.0]), ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0])],

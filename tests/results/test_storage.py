@@ -180,7 +180,7 @@ def test_failed_save_leaves_the_old_file_and_no_other(
     assert os.listdir(saved.parent) == ["results.nc"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(os.name != "posix", reason="limits of files are of POSIX systems")
 def test_a_full_disk_is_a_sentence_and_no_fault_of_hdf5(tmp_path: Path) -> None:
     """HDF5 ended the process with a segmentation fault where a file could not grow."""
@@ -277,7 +277,7 @@ BAD_TEXTS = [
 ]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("text", BAD_TEXTS, ids=range(len(BAD_TEXTS)))
 def test_texts_that_no_run_writes_get_a_sentence(saved: Path, text: str) -> None:
     for place in ("warnings", "settings", "provenance", "study/output_names", "study/signal_groups", "study/face_names",
@@ -352,7 +352,7 @@ def test_a_record_of_another_run_is_noticed_when_read(saved: Path) -> None:
         load_results(saved)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.3, 0.9])
 def test_the_command_says_one_sentence_and_no_traceback(saved: Path, share: float) -> None:
     """Libraries that fail while they open a file told of it once more when their objects were thrown away."""
@@ -367,7 +367,7 @@ def test_the_command_says_one_sentence_and_no_traceback(saved: Path, share: floa
     printed_sentence(line)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_flipped_bits_anywhere_end_in_a_sentence_or_a_sound_file(saved: Path) -> None:
     """Seeded damage: a file is read whole, or a sentence without words of Python says that it is not."""
     whole, rng = saved.read_bytes(), random.Random(18)

@@ -32,6 +32,7 @@ def gaps() -> ForcedResponse:
     return response
 
 
+@pytest.mark.long
 def test_each_point_has_as_many_harmonics_as_it_requires(gaps: ForcedResponse) -> None:
     assert gaps.converged
     assert gaps.point_harmonics is not None
@@ -46,6 +47,7 @@ def test_each_point_has_as_many_harmonics_as_it_requires(gaps: ForcedResponse) -
     assert not [sentence for sentence in gaps.warnings if "harmonics" in sentence]
 
 
+@pytest.mark.long
 def test_points_before_a_rise_have_an_estimate_of_their_own() -> None:
     """That of a neighbour with more harmonics says nothing about them."""
     response = make("sdof", 4).solve(harmonics=None, accuracy=0.001)
@@ -84,6 +86,7 @@ def test_a_file_contains_harmonics_and_errors_of_the_points(gaps: ForcedResponse
     assert ForcedResponse.load(tmp_path / "results.nc") == gaps
 
 
+@pytest.mark.long
 def test_points_with_different_harmonics_have_the_multipliers_of_one_number(gaps: ForcedResponse) -> None:
     fixed = make("gaps", 1).solve(window_hz=GAPS_HZ, harmonics=gaps.harmonics)
     assert gaps.stable is not None
@@ -96,6 +99,7 @@ def test_points_with_different_harmonics_have_the_multipliers_of_one_number(gaps
     assert away.mean() < 0.002
 
 
+@pytest.mark.long
 def test_a_traction_band_of_a_curve_with_different_harmonics_has_the_most_of_them(blade: Blade) -> None:
     response = blade.response(frequency_hz=(675.0, 700.0), samples=64, accuracy=0.002, traction_band=blade.tip)
     assert response.point_harmonics is not None
@@ -105,6 +109,7 @@ def test_a_traction_band_of_a_curve_with_different_harmonics_has_the_most_of_the
     assert response.traction_band.displacement.shape[2] == 2 * response.harmonics + 1
 
 
+@pytest.mark.long
 def test_folds_where_the_harmonics_vary(blade: Blade) -> None:
     """The same folds as with a fixed number; the points between are unstable.
 
@@ -123,6 +128,7 @@ def test_folds_where_the_harmonics_vary(blade: Blade) -> None:
     assert not varying.stable[1:-1][between[:-1] & between[1:]].any()
 
 
+@pytest.mark.long
 def test_a_fixed_number_of_harmonics_has_no_errors_of_points(blade: Blade) -> None:
     """The default is five harmonics, exactly."""
     five, default = (blade.response(frequency_hz=(690.0, 735.0), samples=64, **more) for more in ({"harmonics": 5}, {}))
@@ -132,6 +138,7 @@ def test_a_fixed_number_of_harmonics_has_no_errors_of_points(blade: Blade) -> No
     np.testing.assert_array_equal(five.displacement, default.displacement)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "seed", "accuracy"), [("gaps", 1, 0.005), ("sdof", 4, 0.0005), ("close", 2, 0.0005), ("chain", 0, 0.0005)]
 )
@@ -144,6 +151,7 @@ def test_the_estimate_is_never_below_half_of_the_true_error(kind: str, seed: int
     assert 0.5 <= row.honesty < 9.0
 
 
+@pytest.mark.long
 def test_a_limit_of_the_work_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     """Harmonics that would make the equations too large are not used, and the message says so."""
     monkeypatch.setattr(varying_harmonics, "ALWAYS_HARMONICS", 3)
@@ -155,6 +163,7 @@ def test_a_limit_of_the_work_is_reported(monkeypatch: pytest.MonkeyPatch) -> Non
     printed_sentence("\n".join(response.warnings), numbers=False)
 
 
+@pytest.mark.long
 def test_without_steps_that_help_the_tangent_alone_gives_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is of the size of the usual one, not zero."""
     name = "error_by_neglected_harmonics"
@@ -187,6 +196,7 @@ def test_estimates_have_twice_the_harmonics_within_samples_and_damping(
     assert neglected.more_harmonics(harmonics, samples, damped) == more
 
 
+@pytest.mark.long
 def test_an_accuracy_that_the_samples_do_not_allow_is_reported() -> None:
     coarse = make("gaps", 1).solve(window_hz=FIRST_RISE_HZ, harmonics=None, accuracy=1e-5, samples=64)
     assert coarse.estimated_error.max() > 1e-5

@@ -32,7 +32,7 @@ def test_motions_are_told_apart_by_the_starts_of_their_periods() -> None:
     assert repeats_after(np.zeros((3, 2)), 1.0) is None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_slow_resonance_has_not_settled_though_successive_periods_agree() -> None:
     settling = lost_resonance()
     evidence = settling.evidence_from_rest(2.0 * np.pi * 356.0)
@@ -44,7 +44,7 @@ def test_a_slow_resonance_has_not_settled_though_successive_periods_agree() -> N
     assert found[1] == "from the linear stuck response"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_only_at_the_end_of_a_curve_shorter_steps_test_a_settled_motion(monkeypatch: pytest.MonkeyPatch) -> None:
     settling, omega = lost_resonance(), 2.0 * np.pi * 341.0
     monkeypatch.setattr(evidence_module, "PERIODS", 1500)  # a slow resonance
@@ -81,7 +81,7 @@ def test_words(repeats: int | None, words: str) -> None:
     assert evidence_module.LONGEST >= 3
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("factor", "is_given"), [(1.0, True), (1.5, False)])
 def test_a_settled_motion_is_looked_for_with_more_harmonics(factor: float, is_given: bool) -> None:
     """A solution that Newton's method finds elsewhere does not count."""

@@ -101,7 +101,7 @@ def test_energy_balance_at_every_point(bench: ForcedResponse) -> None:
     assert np.abs(bench.normal_work.sum(axis=1) / bench.input_energy).max() < 1e-2
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_impact_of_a_few_samples_is_no_friction() -> None:
     """A stiff stop behind a gap: what the coarsely sampled normal force gives or takes is told, and not as friction."""
     superelement = Superelement(np.eye(3), np.diag([2e6, 2.5e6, 1e6]), np.diag([20.0, 20.0, 10.0]))
@@ -228,7 +228,7 @@ def test_no_viscous_damping_is_solved_and_reported() -> None:
     assert np.isfinite(response.linear.stuck).all()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_joint_too_stiff_for_the_arithmetic_is_reported() -> None:
     superelement, pairs = two_bodies(1e9, 0.01)
     response = forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
@@ -260,7 +260,7 @@ def test_a_gap_is_open_at_rest_and_closes_at_its_width() -> None:
     assert np.abs(heavy.displacement[~touching, 0, 0]).max() < 1e-15
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> None:
     call = partial(
         forced_response,
@@ -283,7 +283,7 @@ def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> Non
         call(raise_on_failure=True)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_no_first_point_raises_with_every_attempt(blade: Blade) -> None:
     with rejects(ConvergenceError):
         forced_response(

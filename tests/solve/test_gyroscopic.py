@@ -46,7 +46,7 @@ def whirling_hz(structure: Any, stiffness: Any) -> Any:
     return np.sort(values[values > 0.0]) / (2.0 * np.pi)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_stuck_response_is_that_of_the_dynamic_stiffness(structure: Any) -> None:
     response = ss.forced_response(structure, pairs_with(1e4), COS, SIN, frequency_hz=(40.0, 90.0), harmonics=1)
     assert (response.contact_state == ss.ContactState.STUCK).all()
@@ -83,7 +83,7 @@ def test_modal_damping_adds_to_coriolis_forces(structure: Any) -> None:
     np.testing.assert_allclose(stuck.damping, stuck.damping.T, rtol=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_slip_and_separation_are_those_of_time_integration(structure: Any) -> None:
     pairs, row = pairs_with([30.0, 20.0]), np.eye(SIZE)[0]
     response = ss.forced_response(structure, pairs, COS, SIN, frequency_hz=(60.0, 85.0), harmonics=9)

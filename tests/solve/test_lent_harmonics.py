@@ -116,7 +116,7 @@ def lost_at(hertz: float, confirms: float, **options: Any) -> ss.ForcedResponse:
     return parted
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("confirms", "returns"), [(0.05, True), (0.0, False)])
 def test_a_lost_curve_with_fixed_harmonics_has_more_until_its_own_confirm_the_motion(
     confirms: float, returns: bool

@@ -27,7 +27,7 @@ make = benchmark_module("torture_problems").make
 PEAKS = {5: {114.6625: 1.2544e-3}, 54: {892.340: 9.5347e-5, 698.481: 4.1208e-5, 626.644: 1.38497e-5}}  # Hz: m
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("seed", PEAKS)
 def test_narrow_peaks_are_on_the_curve(seed: int) -> None:
     problem = make("narrow", seed)
@@ -82,7 +82,7 @@ def test_the_search_finds_the_peak_that_a_curve_without_landmarks_misses() -> No
     assert check.narrowest_hz == pytest.approx(min(each.width_hz for each in make("narrow", 5).resonances), rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_steps_up_to_a_half_power_width_hide_no_peak_and_are_not_searched(
     blade: Blade, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -50,7 +50,7 @@ def subharmonic(omega: float, damping: float = DAMPING) -> float:
     return float(np.sqrt(p + np.sqrt(p**2 - q))) if p > 0.0 and p**2 >= q else float("nan")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_subharmonic_motion_is_found_and_followed_and_is_that_of_the_textbook() -> None:
     response, other = searched(FORCE, (1.02, 2.5), starts=4, seed=0)
     assert response.harmonic_amplitude(OUTPUT, 1).max() < 1e-9, "the curve itself has the period of the force"
@@ -71,7 +71,7 @@ def test_the_subharmonic_motion_is_found_and_followed_and_is_that_of_the_textboo
     assert max(heights) == pytest.approx(subharmonic(at), rel=0.1)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_closed_curve_is_isolated() -> None:
     _, other = searched(FORCE, (1.02, 2.8), damping=0.09, starts=4, seed=0)
     assert other.names == ("closed curve 1",)
@@ -83,7 +83,7 @@ def test_a_closed_curve_is_isolated() -> None:
     assert omega.max() < exists[-1] < 2.8  # the first order is for frequencies near the resonance
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_unsymmetric_motions_of_a_symmetric_structure_are_found() -> None:
     """Two equal oscillators that stiffen, with a weak spring between them, under equal forces."""
     coupling = 0.02
@@ -105,7 +105,7 @@ def test_unsymmetric_motions_of_a_symmetric_structure_are_found() -> None:
     assert first.stable.any()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_same_seed_gives_the_same_search_and_a_file_keeps_it(tmp_path: Path) -> None:
     first, again = (searched(FORCE, (1.02, 1.3), starts=2, seed=2)[0] for _ in range(2))
     assert again.other_solutions == first.other_solutions
@@ -113,7 +113,7 @@ def test_the_same_seed_gives_the_same_search_and_a_file_keeps_it(tmp_path: Path)
     assert ss.ForcedResponse.load(tmp_path / "results.nc") == first
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_verdicts_that_more_harmonics_do_not_confirm_are_doubtful(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -129,7 +129,7 @@ def test_verdicts_that_more_harmonics_do_not_confirm_are_doubtful(
     assert ss.ForcedResponse.load(tmp_path / "results.nc").other_solutions == other
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_search_that_finds_nothing_says_that_this_proves_nothing(tmp_path: Path) -> None:
     response, other = searched(0.5, (1.02, 2.5), starts=3, seed=0)
     assert other.n_curves == 0
@@ -146,7 +146,7 @@ def friction() -> tuple[ss.Superelement, ss.ContactPairs, np.ndarray]:
     return structure, ss.ContactPairs(operator, 1e5, 2e5, 0.3, 20.0), np.array([10.0, 0.0])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_one_pair_that_slips_has_no_other_solutions() -> None:
     structure, pairs, force = friction()
     curve = ss.forced_response(structure, pairs, force, frequency_hz=(60.0, 140.0), harmonics=3, samples=64)
@@ -175,7 +175,7 @@ def test_a_search_rejects_what_it_cannot_use() -> None:
         ss.search_other_solutions(structure, unequal, force, curve)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_solutions_beyond_the_points_at_a_fold_are_on_the_curve() -> None:
     """The bench blade folds at 683.58 Hz, between two points: Newton's method leads to solutions between them."""
     blade = BLADE.load_blade_problem(10)

@@ -166,7 +166,7 @@ def test_one_tangent_gives_a_parabola_and_none_no_curve() -> None:
     assert cubic_between(before, before, Metric(1.0, 1.0)) is None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_bench_blade_has_no_such_maximum_and_keeps_its_points(blade: Blade) -> None:
     plain = blade.response(frequency_hz=blade.window_hz, checks=False)
     checked = blade.response(frequency_hz=blade.window_hz, checks=False, outputs=blade.tip)
@@ -174,7 +174,7 @@ def test_the_bench_blade_has_no_such_maximum_and_keeps_its_points(blade: Blade) 
     assert np.array_equal(plain.displacement, checked.displacement)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("options", [{}, {"harmonics": None, "accuracy": 0.01, "samples": 256}])
 def test_a_maximum_of_a_random_problem_is_on_the_curve(options: dict[str, Any]) -> None:
     """Without it the amplitude near 365 Hz is 1.152 um; a separate curve with short steps has 1.181 um.

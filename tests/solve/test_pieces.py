@@ -148,7 +148,7 @@ def test_a_curve_without_a_first_point_begins_where_there_is_a_solution() -> Non
         pieces(300.0, 400.0, 2.0, 0.0).follow(None, "there is none.")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_steps_that_are_too_long_lose_the_branch_and_it_goes_on_with_the_right_solution(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -166,7 +166,7 @@ def test_steps_that_are_too_long_lose_the_branch_and_it_goes_on_with_the_right_s
     assert coarse.stable.all()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_pieces_with_an_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:
     """The harmonics of the points follow in each of them."""
     whole = resonance(ss.ContinuationSettings(), harmonics=None, accuracy=0.02)
@@ -199,7 +199,7 @@ def parted_resonance(monkeypatch: pytest.MonkeyPatch, **options: Any) -> ss.Forc
     return response
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_pieces_with_more_harmonics_that_are_the_same_motion_are_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """The points before have more harmonics than the one beyond, from which they go on."""
     parted = parted_resonance(monkeypatch, newtons=40.0)
@@ -221,7 +221,7 @@ def test_a_lost_curve_with_an_accuracy_goes_on_with_the_harmonics_of_the_settled
     assert parted.amplitude(ROW) == pytest.approx(wanted, rel=0.01)  # linear between points
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_curve_ends_at_the_limit_of_its_work_with_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(forced, "WORK_PER_POINT", 0.02)
     with pytest.warns(ss.NotConvergedWarning):

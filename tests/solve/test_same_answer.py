@@ -26,7 +26,7 @@ PROBLEMS = [
 ]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "seed"), PROBLEMS)
 def test_a_problem_has_one_answer(kind: str, seed: int) -> None:
     answers = same_answer.answers(make(kind, seed), Settings(3, "released"))
@@ -56,7 +56,7 @@ def test_the_ranges_of_folds_are_where_a_curve_goes_back(sign: float) -> None:
     assert same_answer.outside(np.array([2.3, 3.2]), ranges).all()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("factor", "verdict"), [(1.005, "same"), (1.03, "different")])
 def test_a_curve_that_is_three_per_cent_higher_is_another_one(factor: float, verdict: str) -> None:
     problem = make("sdof", 4)
@@ -102,7 +102,7 @@ def test_a_difference_of_the_steps_is_no_difference_of_the_branches(factor: floa
     assert [answers[way].verdict for way in same_answer.WAYS] == ["same", "same", verdict]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_only_stuck_pairs_with_other_retained_tractions_excuse_a_difference() -> None:
     """A mean displacement of all pairs that stick is another member of the continuum, if tractions are kept."""
     problem = make("sdof", 4)

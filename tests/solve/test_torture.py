@@ -95,7 +95,7 @@ def assert_outcome(kind: str, seed: int, outcome: Outcome) -> None:
     assert outcome == "complete" or " Hz" in reason
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "seed", "outcome"), [(*problem, outcome) for problem, outcome in QUICK.items()])
 def test_a_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: Outcome) -> None:
     assert_outcome(kind, seed, outcome)
@@ -107,7 +107,7 @@ def test_a_longer_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, ou
     assert_outcome(kind, seed, outcome)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_curve_that_leaves_through_its_start_and_comes_back_says_so() -> None:
     problem = make("beam", 12)
     response = problem.solve()

@@ -29,7 +29,7 @@ def two_masses(
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_undamped_resonance_ends_the_curve() -> None:
     """Amplitudes grew to 1e64 m, with a residual of 1e53. The normal load varies a little, so nothing is rejected."""
     pairs = ss.ContactPairs([[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]], 1e6, 1e6, 0.3, 20.0)
@@ -69,7 +69,7 @@ def test_contact_beyond_the_arithmetic_is_rejected(stiffness: float) -> None:
         two_masses(stiffness, 0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_stiff_contact_within_the_arithmetic_is_solved() -> None:
     response = two_masses(1e9, 0.01)
     assert response.converged

@@ -59,7 +59,7 @@ def integrated(
     return float(way), 0.5 * np.ptp(places, axis=0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("static", [0.0, 2.0])
 def test_a_mass_walks_as_in_time_integration(static: float) -> None:
     """Way of a cycle and amplitudes; the integration knows neither harmonics nor a state after many cycles."""

@@ -107,7 +107,7 @@ def test_mass_of_a_turning_block_is_its_inertia(make_block: Callable[..., Mesh],
     assert turning @ structure.mass @ turning == pytest.approx(SOFT.density * (1.0 + 4.0) / 3.0, rel=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "sizes", "slope"),
     [

@@ -22,7 +22,7 @@ from stickslip.structure.recovery import partition
 from stickslip.structure.superelement import Superelement
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_blade_pair_has_699_unknowns(blade_mesh: Mesh, blade_superelement: Superelement) -> None:
     assert blade_superelement.size == 669 + 30
     assert blade_superelement.recovery.shape == (15015, 699)
@@ -188,7 +188,7 @@ def test_tetrahedra_and_wedges_are_reduced_and_kept(
     assert len(calls) == 2, "another mesh is reduced anew"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_reduction_is_the_same_with_any_number_of_threads(
     blade_structure: Structure, blade_superelement: Superelement
 ) -> None:

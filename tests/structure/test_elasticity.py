@@ -87,7 +87,7 @@ def test_cantilever_frequency_is_that_of_a_beam(make_block: Callable[..., Mesh])
     np.testing.assert_allclose(frequency_hz, beam, rtol=0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("element", ["incompatible", "trilinear"])
 def test_frequencies_converge_with_the_square_of_the_element_size(
     make_block: Callable[..., Mesh], element: Element

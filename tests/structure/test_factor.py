@@ -75,7 +75,7 @@ def test_missing_pardiso_names_the_extra(stiffness: Any, monkeypatch: pytest.Mon
         factorize(stiffness, backend="pardiso")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_pardiso_where_it_is_installed(stiffness: Any) -> None:
     if find_spec("pypardiso") is None:
         absent_tool("pypardiso", 'pip install "stickslip[pardiso]".')

@@ -31,7 +31,7 @@ def test_unknowns_that_cannot_be_tied_one_to_one_are_rejected(leaders: list[int]
         tie_matrix(np.array(followers), np.array(leaders)[:, None], np.ones((2, 1)), 5)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_very_stiff_springs_come_to_the_tied_frequencies(
     blade_mesh: Mesh, blade_superelement: Superelement, pairs_of: Callable[[Mesh], FacePairs]
 ) -> None:

@@ -205,7 +205,7 @@ def test_the_reduction_is_read_from_the_disk(model: RelativeModel, monkeypatch: 
     np.testing.assert_array_equal(second.operator(three_pairs()), first.operator(three_pairs()))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_studies_reduce_large_joints_so(
     blade_mesh: Mesh,
     blade_structure: Structure,

@@ -73,7 +73,7 @@ def test_a_constant_stress() -> None:
     assert stress_cycle(np.empty((0, 6, 3))).mean.shape == (0,)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("harmonics", [1, 3, 7])
 def test_a_dense_sampling_finds_no_larger_extreme(harmonics: int) -> None:
     rows, count = 12, 6000

@@ -231,6 +231,7 @@ def test_the_command_writes_the_page_and_exits_with_two_for_a_wrong_folder(two: 
     assert (two[1] / "tables.xlsx").exists()
 
 
+@pytest.mark.long
 def test_the_page_is_readable_in_a_browser(two: list[Path], tmp_path: Path) -> None:
     (target,) = compare(two, tmp_path / "page.html")
     with opened_browser() as browser:

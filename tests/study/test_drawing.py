@@ -81,7 +81,7 @@ def test_what_the_drawing_rejects_is_raised_here(tmp_path: Path) -> None:
             artist.files()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("not a folder", encoding="utf-8")
     with SecondProcess(Drawing(tmp_path / "file", CASE)) as artist:
@@ -90,7 +90,7 @@ def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
             artist.files()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None:
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:
         artist.start("no response", synthetic_study())  # type: ignore[arg-type]
@@ -118,7 +118,7 @@ def test_a_study_without_a_response_ends_the_process(tmp_path: Path) -> None:
     assert process.poll() is not None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("untraced_commands")
 def test_neither_a_backend_nor_files_of_the_current_folder_are_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -179,7 +179,7 @@ def test_after_the_parent_was_killed_no_process_and_no_half_file_stays(tmp_path:
     assert list(tmp_path.rglob(".*.part")) == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_interrupt_while_it_draws_leaves_no_half_file(tmp_path: Path) -> None:
     case = Case.from_mapping({"output": {"figure_formats": ["svg", "png", "pdf"]}})
     with SecondProcess(Drawing(tmp_path / "figures", case)) as artist:

@@ -21,6 +21,7 @@ pytestmark = pytest.mark.slow
 GRADIENTS = {"analysis.gradients": True}
 
 
+@pytest.mark.long
 def test_run_writes_the_gradients_and_their_section(tmp_path: Path) -> None:
     outcome = study.run(quick_case().replace(GRADIENTS), tmp_path)
     saved = load_results(tmp_path / "results.nc").response.gradients
@@ -32,6 +33,7 @@ def test_run_writes_the_gradients_and_their_section(tmp_path: Path) -> None:
     assert "<h2>Which input matters most</h2>" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_a_curve_without_gradients_is_a_result_with_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(*_: object, **__: object) -> None:
         raise ConvergenceError("the peak is a corner.")

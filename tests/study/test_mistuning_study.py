@@ -57,7 +57,7 @@ def result_of(solution: Solution) -> Mistuning:
     return solution.response.mistuning
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_factors_are_those_of_the_function(random_patterns: Solution) -> None:
     result, model = result_of(random_patterns), random_patterns.model
     blade = model.reduced.blade
@@ -76,7 +76,7 @@ def test_the_factors_are_those_of_the_function(random_patterns: Solution) -> Non
     np.testing.assert_allclose(result.deviation.std(), 0.01, rtol=0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_results_page_and_tables(random_patterns: Solution, tmp_path: Path) -> None:
     result, record = result_of(random_patterns), random_patterns.record
     save_results(tmp_path / "results.nc", random_patterns.response, record)
@@ -141,7 +141,7 @@ def test_the_disk_with_friction_and_its_column_in_a_sweep(tmp_path: Path) -> Non
     assert again.reused == 2
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_unequal_dampers_change_the_curve_with_friction_alone() -> None:
     """All loads doubled are those of a study with twice the load; one damper with less moves the whole disk."""
     sectors = 6

@@ -29,6 +29,7 @@ MODE = {
 }
 
 
+@pytest.mark.long
 def test_run_writes_the_mode_and_its_section(tmp_path: Path) -> None:
     outcome = study.run(quick_case().replace(MODE), tmp_path)
     saved = load_results(tmp_path / "results.nc")
@@ -47,6 +48,7 @@ def test_run_writes_the_mode_and_its_section(tmp_path: Path) -> None:
     assert "<h2>Nonlinear mode</h2>" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_a_mode_from_the_sliding_limit() -> None:
     mode = solve_case(quick_case().replace(MODE | {"analysis.limit": "sliding"})).response.nonlinear_mode
     assert mode is not None

@@ -144,7 +144,7 @@ def test_faces_of_a_mesh_that_touch_are_proposed_as_a_joint(tmp_path: Path) -> N
     assert "# GIVE [interfaces.joint_2]" in lines
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_deck_of_abaqus_cae_from_the_file_to_the_page(tmp_path: Path) -> None:
     """Only what no model file contains is completed; the load acts on the reference point by the name of its set."""
     (tmp_path / "deck.inp").write_text(assembly_deck(), encoding="utf-8")

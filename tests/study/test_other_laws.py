@@ -89,7 +89,7 @@ except ss.StudyFileError as error:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_laws_of_another_package_serve_a_study(tmp_path: Path) -> None:
     (tmp_path / "gluepackage.py").write_text(PACKAGE, encoding="utf-8")
     information = tmp_path / "gluepackage-1.0.dist-info"
@@ -164,7 +164,7 @@ def test_check_shows_the_law_of_a_face(outcome: Any) -> None:
     assert "first natural frequencies, contact stuck" in rows
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_sweep_of_a_constant(outcome: Any, tmp_path: Path) -> None:
     result = ss.sweep(outcome[0], {"interfaces.mass2.constants.slip_force": "2 N,8 N"}, out=tmp_path, workers=1)
     assert [row.values for row in result.table.rows] == [(2.0,), (8.0,)]

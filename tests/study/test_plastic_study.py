@@ -18,7 +18,7 @@ PLASTIC = {"roughness.fractal_dimension": 2.2}
 RANGE = {"solver.frequency_start": "300 Hz", "solver.frequency_stop": "480 Hz"}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("allocation", ["area", "pressure"])
 def test_a_study_with_plastic_faces_runs_and_says_that_its_stiffness_is_a_lower_bound(
     tmp_path: Path, allocation: str

@@ -49,7 +49,7 @@ def test_modes_so_close_that_order_is_all_there_is_are_not_doubted() -> None:
     assert _doubtful_order(tuple(_beside_reference(rows, (500.4, 500.9)))) == ()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_few_rows_of_pairs_are_a_warning_if_pairs_separate_at_the_peak() -> None:
     case = quick_case()
     model = build_model(case)

@@ -74,7 +74,7 @@ def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
     printed_sentence(peaks.message)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_ridge_over_the_friction_coefficient_agrees_with_a_whole_curve() -> None:
     case = quick_case()
     peaks = ridge(case, "friction.coefficient", (0.2, 0.4))
@@ -85,7 +85,7 @@ def test_a_ridge_over_the_friction_coefficient_agrees_with_a_whole_curve() -> No
     assert peaks.at(0.27).amplitude[0] == pytest.approx(highest, rel=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_ridge_over_a_dimension_agrees_with_a_whole_curve() -> None:
     """Each value has its own mesh and reduction."""
     case = quick_case()
@@ -97,7 +97,7 @@ def test_a_ridge_over_a_dimension_agrees_with_a_whole_curve() -> None:
     assert peaks.at(8e-4).amplitude[0] == pytest.approx(highest, rel=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_study_with_an_accuracy_has_a_performance_curve_with_the_harmonics_of_its_peak(tmp_path: Path) -> None:
     changes = {"solver.harmonics": None, "solver.accuracy": "1 %", "analysis.performance_curve": True}
     response = study.run(quick_case().replace(changes), tmp_path).response
@@ -136,7 +136,7 @@ def test_only_two_blades_under_a_centrifugal_force_have_a_performance_curve() ->
     assert not has_performance_curve(mesh_case())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changes", "key"),
     [

@@ -51,7 +51,7 @@ def test_the_factor_multiplies_both_stiffnesses_of_any_law() -> None:
         np.testing.assert_allclose(thrice.tangential_stiffness, 3.0 * once.tangential_stiffness, rtol=1e-14)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_its_curves_are_those_of_studies_with_a_stiffness_given(
     banded: tuple[Case, ReducedModel, ForcedResponse],
 ) -> None:
@@ -116,7 +116,7 @@ def test_page_file_and_tables_have_it(banded: tuple[Case, ReducedModel, ForcedRe
     assert table.columns
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_study_with_an_accuracy_has_a_band_with_the_harmonics_of_its_peak(tmp_path: Path) -> None:
     case = quick_case().replace(BAND_ON | {"solver.harmonics": None, "solver.accuracy": "2 %"})
     model = build_model(case)

@@ -92,7 +92,7 @@ def test_the_summary_has_extremes_where_they_are(vibration: Solution) -> None:
         record.stress.extreme("hoop stress")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_solved_preload_is_part_of_the_stress(loaded: Solution) -> None:
     """The mean of the coefficients is the static stress plus that of the mean of the vibration."""
     stress, record = loaded.stress, loaded.record

@@ -60,6 +60,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, study.StudyO
     return folder, study.run(Case().replace(COARSE), folder, received), received
 
 
+@pytest.mark.long
 def test_run_writes_every_file(solved: tuple[Path, study.StudyOutcome, Heard]) -> None:
     folder, outcome, received = solved
     assert outcome.converged, outcome.message
@@ -112,6 +113,7 @@ def test_the_mode_table_has_no_reference_unless_the_study_gives_one(
     assert "Reference" not in page[page.index("Natural frequencies, contact tied") :].partition("</section>")[0]
 
 
+@pytest.mark.long
 def test_a_reference_goes_from_the_study_file_to_results_page_and_figure(tmp_path: Path) -> None:
     few_points = {"solver.harmonics": 1, "solver.frequency_start": "450 Hz", "solver.frequency_stop": "451 Hz"}
     values = Case().replace({**COARSE, **few_points, "output.deflected_shape_frames": 0})
@@ -180,6 +182,7 @@ def test_an_unfinished_curve_is_kept_and_named(tmp_path: Path, monkeypatch: pyte
     assert "6 points were not enough" in page
 
 
+@pytest.mark.long
 def test_the_curve_is_the_same_with_one_and_two_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a kept superelement. Joints of 1000 rows and more sum with several threads; this one does not."""
     monkeypatch.setenv("STICKSLIP_CACHE", "off")
@@ -188,6 +191,7 @@ def test_the_curve_is_the_same_with_one_and_two_threads(monkeypatch: pytest.Monk
     assert np.array_equal(curves[0].displacement, curves[1].displacement)
 
 
+@pytest.mark.long
 def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -224,6 +228,7 @@ def test_places_that_are_taken_are_found_before_anything_is_built(
         (tmp_path / name).unlink()
 
 
+@pytest.mark.long
 def test_a_disk_that_fills_up_after_the_results_keeps_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise InputError("the report could not be written: No space left on device.")

@@ -36,7 +36,7 @@ WEAR: dict[str, Any] = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_run_writes_the_wear_and_its_section(tmp_path: Path) -> None:
     running_in = {"analysis.running_in_sq": "20 um", "analysis.running_in_depth": "5 um"}
     outcome = study.run(quick_case().replace(WEAR | running_in), tmp_path)

@@ -42,6 +42,7 @@ def linear(study: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Band,
     return ss.band(study, SCATTER, out=folder, samples=SAMPLES, limits=[LIMIT], workers=1), folder
 
 
+@pytest.mark.long
 def test_each_sample_has_the_peak_of_its_inputs(linear: tuple[Band, Path]) -> None:
     table = linear[0].table
     expected = [peak_m(*row.values) for row in table.rows]  # type: ignore[arg-type]
@@ -95,6 +96,7 @@ def test_residual_tractions_are_varied_with_central_inputs(study: Path, tmp_path
     assert again.tractions.high == band.tractions.high
 
 
+@pytest.mark.long
 def test_the_band_of_the_curves_is_proportional_to_a_force_alone(study: Path) -> None:
     """A quantile of a force F_q gives everywhere F_q / F of any one curve."""
     case = ss.load_case(study).replace({DAMPING: "2 %"})
@@ -128,6 +130,7 @@ def test_files_contain_samples_and_statistics(linear: tuple[Band, Path]) -> None
     assert all(file is not None and file.exists() for file in band.case_files)
 
 
+@pytest.mark.long
 def test_a_band_resumes_and_more_samples_contain_those_of_fewer(
     study: Path, linear: tuple[Band, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -148,6 +151,7 @@ def test_a_band_resumes_and_more_samples_contain_those_of_fewer(
     printed_sentence(" ".join(more.remarks), f"{SAMPLES + 2} samples")
 
 
+@pytest.mark.long
 def test_samples_have_checks_only_for_limits_of_slow_sweeps(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stability decides where a slow sweep jumps; no other measure requires it."""
     checks = []
@@ -163,12 +167,14 @@ def test_samples_have_checks_only_for_limits_of_slow_sweeps(study: Path, monkeyp
     assert plain.table.column("peak_amplitude_m") == checked.table.column("peak_amplitude_m")
 
 
+@pytest.mark.long
 def test_any_executor_gives_the_same_band(study: Path, linear: tuple[Band, Path]) -> None:
     with ThreadPoolExecutor(1) as executor:
         other = ss.band(study, SCATTER, executor, samples=8)
     assert [row.measures for row in other.table.rows] == [row.measures for row in linear[0].table.rows[:8]]
 
 
+@pytest.mark.long
 def test_failed_and_incomplete_samples_are_reported_and_not_dropped(
     study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -212,6 +218,7 @@ def test_equal_samples_of_listed_inputs_are_solved_once(study: Path, monkeypatch
     )
 
 
+@pytest.mark.long
 def test_distributions_of_the_file_apply_and_are_replaced(study: Path, tmp_path: Path) -> None:
     linear_study(tmp_path)
     text = (tmp_path / "study.toml").read_text(encoding="utf-8").replace('"2 mN"', '"2 mN +- 10 %"')

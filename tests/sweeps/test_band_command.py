@@ -28,7 +28,7 @@ def study(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_files_and_exit_code_of_a_band_that_worked(study: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     options = ("--scatter", f"{DAMPING}=1 % .. 3 %", "--limit", "peak_amplitude < 3 um", "--out", out, *SAMPLES)

@@ -124,6 +124,7 @@ def test_the_linear_limits_of_a_sample_have_few_points_and_the_same_peaks(
         assert ours.frequency_hz == pytest.approx(other.frequency_hz, rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_sample_whose_quick_curve_ends_early_is_solved_again(
     slipping: Case, whole: ForcedResponse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -135,6 +136,7 @@ def test_a_sample_whose_quick_curve_ends_early_is_solved_again(
     assert response.settings[SOLVED_AGAIN]
 
 
+@pytest.mark.long
 def test_samples_have_the_harmonics_of_the_central_curve(
     slipping: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

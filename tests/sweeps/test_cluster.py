@@ -83,7 +83,7 @@ for address in addresses:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_wrong_address_is_exit_2_at_once(tmp_path: Path) -> None:
     """All in one process, which takes seconds to start, and whose output is complete: also what it logs at its end."""
     require_distributed()

@@ -116,7 +116,7 @@ def test_one_worker_with_other_code_among_others_is_named_before_anything_is_sol
     assert not list(out.glob("cases/*"))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_worker_with_other_code_that_comes_later_solves_nothing(
     folder: Path, other_code: dict[str, str], own_cluster: OwnCluster
 ) -> None:
@@ -147,7 +147,7 @@ def test_a_worker_without_stickslip_is_named(head: tuple[object, str, Path], fol
         pass
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_scheduler_without_stickslip_is_reported(tmp_path: Path) -> None:
     with (
         started(*without_stickslip(scheduler_arguments(tmp_path))),
@@ -179,7 +179,7 @@ def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_pat
     assert "Traceback" not in complained
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_scheduler_that_hangs_is_reported(own_cluster: OwnCluster, monkeypatch: pytest.MonkeyPatch) -> None:
     head, _, executor = own_cluster
     monkeypatch.setattr(cluster, "ANSWER_SECONDS", 1)
@@ -191,7 +191,7 @@ def test_a_scheduler_that_hangs_is_reported(own_cluster: OwnCluster, monkeypatch
         head.send_signal(signal.SIGCONT)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_without_workers_the_wait_is_reported_and_ends(
     own_cluster: OwnCluster, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -210,7 +210,7 @@ def test_without_workers_the_wait_is_reported_and_ends(
     printed_sentence(reported[0], numbers=False)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_task_whose_workers_die_is_given_up(own_cluster: OwnCluster) -> None:
     _, _, executor = own_cluster
     error = executor.submit(os._exit, 1).exception(PATIENCE_SECONDS)

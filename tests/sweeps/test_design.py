@@ -62,7 +62,7 @@ def values_of(result: Design) -> list[tuple[float, float]]:
     return [(each.values[0], each.objective) for each in result.evaluations]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_optimum_is_that_of_the_closed_form(damper: tuple[Design, Path]) -> None:
     result = damper[0]
     best = result.optimum
@@ -112,7 +112,7 @@ def test_the_sharpness_is_that_of_the_closed_form(case: Case, solver: Callable[.
         assert end == pytest.approx(expected, rel=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_killed_design_loses_no_completed_case(case: Case, tmp_path: Path, solver: Callable[..., FakeSolver]) -> None:
     options: dict[str, Any] = {**FEW, "worst_of": {"forces.push.amplitude": ["1 N", "2 N"]}}
     complete = solver()
@@ -157,7 +157,7 @@ def test_the_optimum_between_two_peaks_is_a_switch(case: Case, solver: Callable[
     printed_sentence(result.remarks[0])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_without_gradients_differences_find_the_optimum(case: Case, solver: Callable[..., FakeSolver]) -> None:
     solver(has_gradients=False)
     result = ss.design(case, RANGE, **FEW)
@@ -190,7 +190,7 @@ def test_failed_designs_and_peaks_beyond_the_range_do_not_count(case: Case, solv
     printed_sentence(result.remarks[-1])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_limits_that_no_design_satisfies_are_a_result(
     case: Case, tmp_path: Path, solver: Callable[..., FakeSolver]
 ) -> None:
@@ -211,7 +211,7 @@ def test_without_any_result_the_first_message_is_the_error(case: Case, solver: C
         ss.design(case, RANGE, **FEW)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_task_has_stress_and_gradients_of_its_peaks() -> None:
     """Beside the same case solved as a study."""
     case = quick_case().replace({"solver.frequency_start": "450 Hz", "solver.frequency_stop": "470 Hz"})

@@ -42,7 +42,7 @@ def test_files_and_exit_code_of_a_design_that_worked(study: Path, tmp_path: Path
     assert (again.exit_code, again.stdout) == (0, "")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_limits_without_a_design_are_exit_3(study: Path, tmp_path: Path) -> None:
     limit = ("--subject-to", "peak < 1 um")
     result = invoke(study, "--over", f"{LIMIT}=2 N:15 N", *limit, "--out", tmp_path / "out", *FEW)

@@ -220,7 +220,7 @@ def test_a_task_checks_the_code_before_it_reads_its_arguments() -> None:
             assert part in str(caught.value)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("light_tasks")
 @pytest.mark.parametrize("executor", [LocalProcesses, ThreadPoolExecutor])
 def test_workers_of_other_code_end_the_sweep_without_a_row(
@@ -253,7 +253,7 @@ def test_a_process_that_cannot_be_started_is_a_worker_that_died(monkeypatch: pyt
         pool.shutdown(wait=False)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("untraced_commands")
 def test_what_a_worker_imports_lies_in_the_code_that_its_digest_covers(tmp_path: Path) -> None:
     quick_file(tmp_path)

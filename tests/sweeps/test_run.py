@@ -68,7 +68,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Swept:
     return folder, result, received, calls
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_one_row_and_one_file_for_each_case(swept: Swept) -> None:
     folder, result, _, _ = swept
     table = result.table
@@ -93,7 +93,7 @@ def test_one_row_and_one_file_for_each_case(swept: Swept) -> None:
         assert len(saved.study.mode_table) == 10
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_case_of_a_sweep_is_the_case_of_a_run(swept: Swept, tmp_path: Path) -> None:
     _, result, _, _ = swept
     case = quick_case().replace(
@@ -193,7 +193,7 @@ def test_a_sweep_continues_where_it_ended(swept: Swept, monkeypatch: pytest.Monk
     assert (part.reused, part.table.rows) == (4, result.table.rows)  # the table retains the other cases
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: Swept, tmp_path: Path) -> None:
     folder, result, _, _ = swept
     shutil.copytree(folder, tmp_path / "copy")
@@ -222,7 +222,7 @@ def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: Swept, t
     assert ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1).reused == 4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_cases_that_fail_are_rows_and_the_others_continue(swept: Swept, tmp_path: Path) -> None:
     vary: dict[str, list[float | int | str]] = {
         "roughness.fractal_dimension": [2.4, 2.001],
@@ -243,7 +243,7 @@ def test_cases_that_fail_are_rows_and_the_others_continue(swept: Swept, tmp_path
         ss.sweep(case, {"roughness.fractal_dimension": [2.001]}, workers=1)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stopped(case: Case, model: ReducedModel, progress: Progress, threads: int, **options: Any) -> ForcedResponse:
         assert isinstance(case, TwoBladeCase)

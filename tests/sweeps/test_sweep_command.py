@@ -23,7 +23,7 @@ def invoke(*arguments: object) -> Any:
     return CliRunner().invoke(cli.app, ["sweep", *(str(each) for each in arguments)])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_files_and_exit_code_of_a_sweep_that_worked(tmp_path: Path) -> None:
     file, out = quick_file(tmp_path), tmp_path / "out"
     arguments = (file, "--vary", f"{LOAD}=600 N,650", "--out", out, "--workers", 1)
@@ -38,7 +38,7 @@ def test_files_and_exit_code_of_a_sweep_that_worked(tmp_path: Path) -> None:
     printed_sentence(invoke(*arguments).stdout[len(written) :], "2 of them")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file, out = quick_file(tmp_path), tmp_path / "out"
     rough = "roughness.fractal_dimension=2.4,2.001"

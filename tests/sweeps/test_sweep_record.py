@@ -101,7 +101,7 @@ def test_a_damaged_record_is_rejected(tmp_path: Path) -> None:
         rows_of(tmp_path, case, {LOAD: [200]})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_sweeps_are_one_table_and_report_writes_every_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     first = sweep(quick_case(), {LOAD: [600]}, out=tmp_path, workers=1)
     both = sweep(quick_case(), {LOAD: [650], MODE: ["single"]}, out=tmp_path, workers=1)

@@ -92,7 +92,7 @@ def test_stop_says_when_it_is_hit() -> None:
     assert law.period(coefficients, 64).state.tolist() == [ss.ContactState.SEPARATING, ss.ContactState.STUCK]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_curve_of_an_oscillator_with_a_stop_against_time_integration() -> None:
     """Five harmonics against scipy's Runge-Kutta on the equation of motion, which knows nothing of this code."""
     stiffness, gap, force, hertz = 4e5, 1e-5, 4.0, 112.0

@@ -45,7 +45,7 @@ def nearest_feasible_start(path: FloatArray, limit: FloatArray) -> FloatArray:
     return np.array([shift.real, shift.imag])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_shaken_down_pairs_carry_the_nearest_feasible_traction() -> None:
     """Equal stiffness: the slider moves by the least that lets the pair stick, found here by another method."""
     x, pairs = near_shakedown(7, 300, 64)

@@ -230,7 +230,7 @@ def test_a_law_of_another_package_is_found(tmp_path: Path) -> None:
     assert done.stdout == "glue\n", done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_curve_with_all_laws_balances_its_energy_and_comes_back_from_its_file(tmp_path: Path) -> None:
     pairs = ss.ContactPairs.with_laws(np.eye(36), list(LAWS.values()))
     chain = np.diag(np.full(36, 4e6)) - 6e5 * (np.eye(36, k=1) + np.eye(36, k=-1))

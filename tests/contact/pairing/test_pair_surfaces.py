@@ -219,7 +219,7 @@ def test_gaps_that_come_from_flat_sides_alone_are_reported() -> None:
     printed_sentence("\n".join(pair_surfaces(mesh, "top", "bottom", adjust="closed").warnings))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @BOTH
 @settings(max_examples=15, deadline=None)
 @given(

@@ -67,7 +67,7 @@ def test_waves_of_the_model_are_those_of_many_ridges() -> None:
     assert 1e-3 ** (2 * (dimension - 2)) * terms.sum(axis=1) == pytest.approx(mean_of_ridges, rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("constant", [0.0, 0.3, -1.6])
 def test_simulated_surfaces_have_the_structure_function_of_the_model(constant: float) -> None:
     """Rows and columns of one surface; noise and missing short waves included."""

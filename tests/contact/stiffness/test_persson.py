@@ -218,7 +218,7 @@ def per_area(
     return persson_law(rough, area).normal(pressure)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_powers_of_pressure_and_roughness_against_those_measured_on_titanium() -> None:
     """docs/validation.md: k_n is proportional to the load and inversely to the roughness (Parel, Paynter, Nowell)."""
     titanium, pressure, step = (3.5e9, 64.5e9, 0.34), np.array([3e6, 10e6, 30e6]), 1.05

@@ -39,7 +39,7 @@ def warned(fit: ss.RoughnessFit) -> None:
     printed_sentence("\n".join(fit.warnings), numbers=False)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("dimension", "scale"), [(2.2, 1e-12), (2.8, 1e-7)])
 @pytest.mark.usefixtures("few_simulations")
 def test_known_values_are_found_without_bias(dimension: float, scale: float) -> None:
@@ -55,7 +55,7 @@ def test_known_values_are_found_without_bias(dimension: float, scale: float) -> 
     assert all(fit.usable and fit.fit_probability > 0.0 for fit in fits)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("few_simulations")
 def test_same_seed_same_result_and_heights_in_another_unit() -> None:
     heights = profile(2.4, 1e-9)
@@ -103,7 +103,7 @@ def test_missing_short_waves_raise_the_first_scale() -> None:
     assert fit.fractal_dimension_interval[0] < 2.5 < fit.fractal_dimension_interval[1]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("few_simulations")
 def test_a_sine_is_not_fractal() -> None:
     heights = 1e-6 * np.sin(2 * np.pi * np.arange(1000) / 60)
@@ -119,7 +119,7 @@ def test_a_smooth_curve_is_out_of_range() -> None:
     warned(fit)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.usefixtures("few_simulations")
 def test_map_with_and_without_direction() -> None:
     x, y = np.meshgrid(SPACING * np.arange(240), 2 * SPACING * np.arange(160))

@@ -257,7 +257,7 @@ def test_full_file_without_the_extra_names_it(tmp_path: Path, monkeypatch: pytes
         read_matrices(path, path)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_full_file_of_ansys(tmp_path: Path) -> None:
     """The example of ansys-mapdl-reader, a clamped square beam: 300 free nodes, bending modes in equal pairs."""
     if importlib.util.find_spec("ansys") is None:

@@ -50,7 +50,7 @@ def frequencies(mesh: Mesh, count: int, fixed: np.ndarray) -> FloatArray:
     return natural_frequencies(structure.stiffness, structure.mass, count)[0]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("form", WRITERS)
 def test_tetrahedra_and_wedges_come_back(tmp_path: Path, make_block: Callable[..., Mesh], kind: str, form: str) -> None:

@@ -105,7 +105,7 @@ def test_the_sound_file_is_read(name: str) -> None:
     np.testing.assert_allclose(volumes, [1000.0, 500.0] if "gmsh" in name else [1000.0, 1000.0], rtol=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", FILES)
 @settings(max_examples=60, derandomize=True, deadline=None, database=None)
 @given(seed=st.integers(0, 2**32))
@@ -155,7 +155,7 @@ def test_the_sound_deck_in_files_is_read(folder: Path) -> None:
     assert model.fixed_unknowns.tolist() == [*range(12)]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("stem", deck_in_files())
 @settings(max_examples=100, derandomize=True, deadline=None, database=None)
 @given(seed=st.integers(0, 2**32))

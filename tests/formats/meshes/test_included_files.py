@@ -110,7 +110,7 @@ def test_a_fan_of_files_ends_early(
     assert len(read) == 24
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("ending", FORMATS)
 def test_the_number_and_the_size_of_all_files_have_limits(
     deck: Callable[[str, object], Path], monkeypatch: pytest.MonkeyPatch, ending: str

@@ -58,7 +58,7 @@ def in_order_of_bodies(mesh: Mesh) -> Mesh:
     return replace(mesh, points=mesh.points[order], cells=number[mesh.cells], node_sets=sets)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("quadratic", [False, True], ids=["linear", "quadratic"])
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_model_comes_back(tmp_path: Path, make_block: Callable[..., Mesh], name: str, quadratic: bool) -> None:

@@ -117,7 +117,7 @@ def test_a_crown_moves_the_load_to_the_middle() -> None:
     assert (joint.preload < 0.0).any()  # ends that do not touch
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("changes", "force"), [(FLAT, "60 N"), (ROUND, "300 N")])
 def test_small_forces_give_the_stuck_resonance_and_large_ones_the_energies(changes: dict[str, Any], force: str) -> None:
     case = study(**changes, **{"excitation.mode": "opposite"})

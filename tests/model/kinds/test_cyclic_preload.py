@@ -48,7 +48,7 @@ def force_on_damper(model: Model, mesh: ss.Mesh) -> Any:
     return (operator.T @ local).reshape(-1, 3)[mesh.nodes_of_body(1)].sum(axis=0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("residual", ["released", "kept"])
 def test_the_state_at_rest_is_that_of_the_full_ring(residual: str) -> None:
     case = disk(residual=residual)
@@ -82,7 +82,7 @@ def test_the_state_at_rest_is_that_of_the_full_ring(residual: str) -> None:
         np.testing.assert_allclose(state.traction, np.tile(own.traction, (6, 1)), atol=1e-6 * largest)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_normal_loads_grow_with_the_square_of_the_speed() -> None:
     """The contact forces of the damper balance its centrifugal force at each speed."""
     for speed_rpm in (1500.0, 3000.0):
@@ -96,7 +96,7 @@ def test_normal_loads_grow_with_the_square_of_the_speed() -> None:
         np.testing.assert_allclose(force_on_damper(model, mesh), expected, atol=1e-9 * float(np.linalg.norm(expected)))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_constant_force_on_each_damper_adds_to_the_rotation() -> None:
     push = {"push": {"set": "damper middle", "direction": [1, 0, 0], "force": "100 N"}}
     forces = []

@@ -31,7 +31,7 @@ def stuck_hz(model: ReducedModel, diameter: int, count: int = 3) -> Any:
     return stuck.natural_frequencies(diameter, count)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_each_speed_of_one_reduction_is_the_study_at_this_speed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

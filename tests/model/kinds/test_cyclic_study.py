@@ -107,7 +107,7 @@ def test_the_study_of_a_file_is_that_of_the_dimensions(tmp_path: Path) -> None:
     np.testing.assert_allclose(frequencies[0], frequencies[1], rtol=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_tied_boundaries_of_a_file(tmp_path: Path) -> None:
     """Nodes of the right boundary move along it, so that the boundaries do not match; the frequencies hardly change."""
     plain = set_up(changed(material=STEEL))
@@ -140,7 +140,7 @@ def test_tied_boundaries_of_a_file(tmp_path: Path) -> None:
         set_up(Case.from_mapping(content))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_page_of_a_disk(tmp_path: Path) -> None:
     case = changed(solver={"frequency_start": "580 Hz", "frequency_stop": "600 Hz", "harmonics": 2, "samples": 64})
     solution = solve_case(case)
@@ -315,7 +315,7 @@ def test_a_force_on_a_constrained_node() -> None:
         set_up(Case.from_mapping(content))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_all_nodal_diameters_against_the_full_ring() -> None:
     """The ring of all sectors with all its stuck pairs, by the ordinary path: the same frequencies, in pairs."""
     content = data(sectors=6)
@@ -366,7 +366,7 @@ def test_a_body_over_three_sectors(tmp_path: Path) -> None:
         set_up(Case.from_mapping(content))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_page_of_a_disk_with_coriolis_forces(tmp_path: Path) -> None:
     """The diagram has the waves of the excitation and those against it, in the file and in the table too."""
     wave = {"engine_order": 19, "direction": "forward"}  # of 20 sectors: a backward wave of nodal diameter 1

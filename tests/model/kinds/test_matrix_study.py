@@ -44,7 +44,7 @@ def changed(folder: Path, **changes: Any) -> Case:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_run_writes_report_and_results(folder: Path) -> None:
     result = CliRunner().invoke(app, ["run", str(folder / "study.toml"), "--out", str(folder / "out")])
     assert result.exit_code == 0, result.output

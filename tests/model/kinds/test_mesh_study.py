@@ -44,7 +44,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder / "out", result.output
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_run_writes_report_results_and_shapes(solved: tuple[Path, str]) -> None:
     folder, output = solved
     for name in ("results.nc", "report.html", "contact_pairs.vtu", "mode_shapes.vtu", "deflected_shape.pvd"):

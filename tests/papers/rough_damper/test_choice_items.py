@@ -47,7 +47,7 @@ def changed(solutions: list[Solved]) -> dict[str, ChangedVerdict]:
     return {each.statement: each for each in changed_verdicts(solutions, Scope())}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_every_column_is_judged_on_the_same_situations(solutions: list[Solved]) -> None:
     sets = changed_sets(solutions, Scope())
     assert [each.name for each in sets] == [

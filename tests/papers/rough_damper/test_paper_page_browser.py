@@ -54,6 +54,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_page(browser: Any, report: Path, width: int) -> None:
     with opened_page(browser, report, width, drawn=False) as page:

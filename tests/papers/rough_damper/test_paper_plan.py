@@ -38,7 +38,7 @@ def test_size_and_keys(plan: tuple[Computation, ...]) -> None:
     assert len({each.planned.structure for each in plan}) == 4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_every_joint_of_the_study_has_a_stiffness(plan: tuple[Computation, ...]) -> None:
     layout = set_up(plan[0].planned.case).layout
     for each in plan:

@@ -133,7 +133,7 @@ def test_a_structure_of_another_type() -> None:
         solve(DISK.mass)  # type: ignore[arg-type]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_analyses_that_are_not_valid_for_a_sector() -> None:
     sector: Any = DISK.sector
     pairs = ContactPairs.with_laws(DISK.operator[:, :9], DISK.pairs.laws, DISK.pairs.members)

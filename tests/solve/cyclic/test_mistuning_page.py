@@ -7,7 +7,7 @@ import pytest
 from page_examples import names_of_page
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_example_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
     names = names_of_page("theory_mistuning.md", capsys)
     assert names["response"].converged

@@ -111,6 +111,7 @@ CASES = [
 QUICK = {("coulomb", "friction coefficient"), ("unbalance", "mass"), ("jenkins", "tangential stiffness")}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("model", "name"), [pytest.param(*case, marks=() if case in QUICK else pytest.mark.slow) for case in CASES]
 )
@@ -182,6 +183,7 @@ def test_the_peak_of_a_linear_oscillator() -> None:
     printed_sentence(found.messages[0])
 
 
+@pytest.mark.long
 def test_the_blade_with_many_pairs(blade: Blade) -> None:
     """Fold and many samples that switch: the secant between two forces is between the derivatives at both."""
     found = []
@@ -196,6 +198,7 @@ def test_the_blade_with_many_pairs(blade: Blade) -> None:
     assert secant == pytest.approx(0.5 * (tangents[0] + tangents[1] / 1.02), rel=1e-2)
 
 
+@pytest.mark.long
 def test_a_second_peak_and_the_tornado() -> None:
     base = coulomb()
     found = gradients(base, (150.0, 450.0), peak=1)
@@ -254,6 +257,7 @@ def test_a_curve_that_ends_at_its_top_has_no_peak() -> None:
         gradients(coulomb(), (150.0, 225.0))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("force", "count"), [(0.5, 0), (0.6003, 1), (5.0, 0)])
 def test_a_pair_that_begins_to_slip_at_the_peak_is_announced(force: float, count: int) -> None:
     """The stuck peak of F carries F / (2 zeta) k_t / k in the slider: 10 N, its limit, with F = 0.6 N."""
@@ -265,6 +269,7 @@ def test_a_pair_that_begins_to_slip_at_the_peak_is_announced(force: float, count
         printed_sentence(sentence)
 
 
+@pytest.mark.long
 def test_all_uncertain_derivatives_stand_in_one_sentence() -> None:
     superelement, pairs = one_mass(ratio=0.01)
     base = SolverInput(superelement, pairs, ss.Excitation.force([0.6003]), np.ones(1))

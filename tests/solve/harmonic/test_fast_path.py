@@ -80,7 +80,7 @@ def counted(solve: Callable[..., Any], calls: list[LowRankInverse]) -> Callable[
     return solve_counted
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("way", ["factor", "iteration", "iteration with few near modes", "large joint"])
 def test_every_point_equals_the_dense_newton(blade: Blade, way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     if way != "factor":

@@ -86,7 +86,7 @@ def test_the_response_to_the_force_keeps_the_first_order_of_inertia(
     assert errors[0] < errors[1] / 10.0 or errors[0] < 1e-11  # the fourth power: 16
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("large", [False, True])
 def test_solutions_satisfy_the_balance_with_all_modes(
     balances: Balances, blade: Blade, monkeypatch: pytest.MonkeyPatch, large: bool
@@ -160,7 +160,7 @@ def test_many_shapes_of_unknowns_without_pairs_count(
     assert isinstance(prepared(blade, few_modes=True).stuck, SoftStructure)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("closed", [1.0, -0.01])  # every third pair is pressed together, or has a gap and closes
 def test_a_curve_is_that_of_all_modes(blade: Blade, monkeypatch: pytest.MonkeyPatch, closed: float) -> None:
     """Points, added points, energies, outputs (one of them a slip), and verdicts; kept modes are used."""

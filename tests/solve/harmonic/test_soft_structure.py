@@ -137,7 +137,7 @@ def test_the_structure_without_contact_has_its_soft_modes_and_its_response(
         assert limits[0].damping_ratio(around) == pytest.approx(limits[1].damping_ratio(around), rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("large", [False, True])
 def test_the_curve_is_that_of_the_full_spectrum(blade: Blade, monkeypatch: pytest.MonkeyPatch, large: bool) -> None:
     """With checks too: multipliers require all modes, which are then computed."""

@@ -50,7 +50,7 @@ def test_a_force_that_friction_cannot_hold_is_rejected(excess: float) -> None:
         solve(excess * HOLDS)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.5, 0.9])
 def test_a_force_that_friction_holds_is_solved(share: float) -> None:
     """A little below the limit friction bounds the motion: the curve has a peak and no such warning."""
@@ -60,7 +60,7 @@ def test_a_force_that_friction_holds_is_solved(share: float) -> None:
     assert not any(f"{HOLDS:.4g} N" in each for each in response.warnings)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_range_without_the_mode_is_solved() -> None:
     response = solve(1.5 * HOLDS, window=(1.2 * HERTZ, 2.0 * HERTZ))
     assert response.converged, response.message
@@ -110,7 +110,7 @@ def test_a_mode_without_motion_at_the_contact_is_not_rejected_if_nothing_excites
     assert response.converged, response.message
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("ratio", [1e-3, 1e-4])
 def test_the_height_in_a_warning_is_that_of_the_peak(ratio: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Den Hartog: the force that friction does not hold works against the viscous damping."""
@@ -175,7 +175,7 @@ def test_a_body_that_only_friction_supports_slides_by_its_inertia() -> None:
     assert response.amplitude(ROW)[0] == pytest.approx(height, rel=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_no_warning_with_usual_damping() -> None:
     response = solve(2.0 * HOLDS, ratio=1e-3)
     assert not any(f"{HOLDS:.4g} N" in each for each in response.warnings)

@@ -59,7 +59,7 @@ def test_an_amplitude_at_which_a_spring_no_longer_resists_is_rejected() -> None:
     assert below.frequency_hz[-1] < below.frequency_hz[0]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_one_mass_with_a_slider_is_its_closed_form() -> None:
     """With one harmonic the balance is that of the first harmonic of the friction force."""
     superelement, pairs = one_mass(ratio=0.002)
@@ -110,7 +110,7 @@ def test_the_energy_of_a_cycle_gives_the_same_damping() -> None:
     assert result.residual.max() < 1e-7
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("rest", ["gaps", "retained tractions", "coupled damping", "modal ratio"])
 def test_a_mode_about_any_rest_balances_its_energies(blade: Blade, rest: str) -> None:
     """From stuck pairs to full separation, for the kinds of rest and of damping."""
@@ -145,7 +145,7 @@ def test_the_virtual_beam_starts_at_its_published_frequency() -> None:
     assert result.damping_ratio[0] == pytest.approx(BEAM_RATIO, rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_masses_with_rigid_friction_have_their_published_mode() -> None:
     """From full slip down to stick-slip; the slider of 1e4 N/m is rigid in effect."""
     superelement, pairs = two_masses(1e4)
@@ -158,7 +158,7 @@ def test_two_masses_with_rigid_friction_have_their_published_mode() -> None:
     assert 2.0 * found * ratio == pytest.approx(growth, rel=5e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_mode_passes_through_the_peaks_of_forced_responses() -> None:
     superelement, pairs, tip = friction_beam()
     mode = ss.nonlinear_mode(superelement, pairs, 1, (10**-5.5, 10**-3.1), harmonics=7)
@@ -186,7 +186,7 @@ def test_the_mode_passes_through_the_peaks_of_forced_responses() -> None:
         assert peak_hz == pytest.approx(expected, rel=0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_branch_from_the_sliding_limit_is_the_same_curve() -> None:
     superelement, pairs = one_mass(ratio=0.002)
     up = ss.nonlinear_mode(superelement, pairs, 1, (1e-5, 1e-2), harmonics=3)
@@ -220,7 +220,7 @@ def test_a_mode_that_exchanges_its_shape_has_a_warning() -> None:
     assert result.step_mac.min() > 0.9
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_high_damping_has_a_warning() -> None:
     superelement, pairs = one_mass(ratio=0.002)
     result = ss.nonlinear_mode(superelement, pairs, 1, (1e-6, 1e-3), harmonics=1)
@@ -242,7 +242,7 @@ def test_harmonics_grow_within_the_allowed_work(monkeypatch: pytest.MonkeyPatch)
     printed_sentence("\n".join(each for each in mode.warnings if "accuracy" in each))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_harmonics_grow_until_the_accuracy_is_reached() -> None:
     """Rigid friction: beside a mode with many more harmonics, the error is below the accuracy at all points."""
     problem = two_masses(1e2)
@@ -258,7 +258,7 @@ def test_harmonics_grow_until_the_accuracy_is_reached() -> None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_accuracy_that_is_not_reached_has_a_warning() -> None:
     coarse = ss.nonlinear_mode(*one_mass(ratio=0.002), 1, (1e-5, 1e-4), accuracy=1e-5, samples=64)
     assert coarse.harmonics == 15

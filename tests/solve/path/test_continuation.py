@@ -41,7 +41,7 @@ def test_long_steps_pass_over_the_peak_of_a_linear_resonance(largest_step: float
     assert 0.98 * exact < peak <= exact * (1 + 1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("largest_step", [0.15, 0.5])
 def test_long_steps_keep_to_a_curve_that_slips(largest_step: float) -> None:
     row = np.array([1.0, 0.0, 0.0])

@@ -106,7 +106,7 @@ def peak_of(stage: RidgeStage) -> CurvePeak:
     return peak
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_ridge_over_the_normal_load_agrees_with_dense_sweeps() -> None:
     blade, limits = Blade(), (0.4, 2.5)
 

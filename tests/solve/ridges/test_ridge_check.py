@@ -45,7 +45,7 @@ def highest(harmonics: int) -> float:
     return float(response.amplitude(BLADE.tip).max())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_check_has_the_peak_of_a_fine_curve_with_many_harmonics() -> None:
     stage = stage_of(3)
     found, error = highest_of(stage, [peak_of(stage)], 1e-3)
@@ -56,7 +56,7 @@ def test_a_check_has_the_peak_of_a_fine_curve_with_many_harmonics() -> None:
     assert abs(highest(1) / many - 1.0) > error  # the ridge with one harmonic is worse
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_estimated_error_of_a_peak_is_near_the_true_one() -> None:
     stage = stage_of(1)
     peak, many = peak_of(stage), highest(13)

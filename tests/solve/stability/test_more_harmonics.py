@@ -59,7 +59,7 @@ def twins(harmonics: int, samples: int) -> ss.ForcedResponse:
     return response
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_multiplier_that_few_harmonics_feign_is_doubtful() -> None:
     """With 3 harmonics it is 1.55, and in time a disturbance of 1 % dies out; the error of the motion is 0.2 %, below
     that of a warning."""

@@ -214,7 +214,7 @@ def test_a_body_on_friction_alone_has_no_multiplier_of_its_drift() -> None:
     assert response.stability_message == "All points are stable."
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_slider_that_touches_its_limit_does_not_follow_a_motion_that_rotates() -> None:
     """Light 1 of the torture set: with the touching slider as one that slips, 8 of these points had multipliers of
     size 1.05, a torus. In time the motion of such a point stays as it is."""
@@ -267,7 +267,7 @@ def test_stability_is_stored_and_older_files_are_read_without_it(duffing: ss.For
     assert older.stability_message == NO_STABILITY
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
     """Pairs that have shaken down and touch their limit follow the disturbance; without them a point seems stable."""
     response = blade.response(frequency_hz=blade.window_hz, harmonics=5, samples=256)
@@ -283,7 +283,7 @@ def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
     assert 1.003 < np.abs(response.multipliers[between, 0]).max() < 1.061
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_iteration_gives_the_largest_of_all_eigenvalues(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
     """Small directions of a block must not enter the basis twice: spurious multipliers of 2 came from that."""
     options = {"frequency_hz": (682.0, 690.0), "harmonics": 3, "samples": 128}

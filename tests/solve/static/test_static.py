@@ -217,7 +217,7 @@ def test_a_bent_path_takes_more_steps_and_reports_it(blade: Blade) -> None:
         static_preload(superelement, pairs, load, steps=2.5)  # type: ignore[arg-type]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("kept", [False, True])
 def test_vibration_about_the_state_equals_a_balance_with_the_static_load_in_its_mean(blade: Blade, kept: bool) -> None:
     """Mode B: an independent dense balance carries the static load in the mean and counts from the unloaded state."""
@@ -331,7 +331,7 @@ def test_the_restraint_of_a_state_without_friction_carries_nothing_that_the_stru
             assert state.residual < 1e-6
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_gaps_take_as_many_load_steps_as_the_tractions_need() -> None:
     """Pairs that touch one after the other slip along bent lines: the error of a ramp falls with its steps."""
     rng = np.random.default_rng(11)

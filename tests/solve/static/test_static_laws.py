@@ -163,7 +163,7 @@ def test_a_mixed_joint_is_in_equilibrium_and_its_state_is_that_of_each_law() -> 
     printed_sentence(state.message, "jenkins 1", "iwan 1", numbers=False)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("law", "static", "dynamic"),
     [(cubic(1e5, 4e15), 20.0, 3.0), (stop(2e6, 8e-6, 1e5), 14.0, 2.0)],

@@ -183,7 +183,7 @@ def grid(count: int) -> Iterator[np.ndarray]:
         yield np.vstack([each, [second * LIMIT[1], 0.0]])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("count", [1, 2])
 def test_a_grid_of_tractions_has_the_same_extremes(count: int) -> None:
     """48 or 72 tractions: none is outside, and the extreme ones come as close as the spacing of the grid allows. The

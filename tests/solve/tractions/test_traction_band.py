@@ -135,7 +135,7 @@ def test_derivatives_by_tractions_are_those_of_differences() -> None:
             assert abs((more.value - less.value) / 0.004 - quantity.by_traction[pair, axis]) < 1e-5 * scale
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_band_of_the_bench_blade_contains_what_random_tractions_gave() -> None:
     """18 random tractions gave peaks (first harmonic) of 189.6 to 204.7 µm, jumps up at 684.2 to 686.9 Hz, and 109 to
     191 µm at 684.8 Hz."""
@@ -155,7 +155,7 @@ def test_the_band_of_the_bench_blade_contains_what_random_tractions_gave() -> No
     assert at[1] > 191e-6
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_random_admissible_tractions_stay_inside_the_band_of_the_bench_blade() -> None:
     band = blade_with_band().traction_band
     assert band is not None
@@ -214,7 +214,7 @@ def test_a_band_requires_pairs_with_friction() -> None:
         ss.forced_response(structure, pairs, np.array([4.0]), frequency_hz=(100.0, 200.0), traction_band=[1.0])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_optimisation_ends_at_its_limit_of_work(monkeypatch: pytest.MonkeyPatch) -> None:
     """The band of tractions to first order remains, with a message; without the limit there is none."""
     monkeypatch.setattr(traction_band, "LEAST_WORK", 30)

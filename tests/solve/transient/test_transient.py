@@ -229,7 +229,7 @@ def integrate_blade(blade: Blade, balance: ForcedResponse, point: int, n_steps: 
     return response
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("frequency_hz", [672.0, 686.8, 700.0])
 def test_blade_amplitude_equals_nine_harmonics_within_0_3_percent(
     frequency_hz: float, blade: Blade, balance: ForcedResponse
@@ -267,7 +267,7 @@ def test_residual_tractions_agree_with_a_march_from_rest(blade: Blade) -> None:
     assert abs(mean - released.displacement[0, :, 0] @ blade.tip) > 0.1 * abs(mean)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_blade_error_falls_with_the_step_and_energy_balances(blade: Blade, balance: ForcedResponse) -> None:
     point = int(np.abs(balance.frequency_hz - 686.8).argmin())
     harmonics = slice(0, 12)

@@ -58,7 +58,7 @@ def distance(curve: ss.ForcedResponse, march: TransientResponse, row: np.ndarray
     return float(np.abs(in_time - in_balance).max() / np.abs(in_time[1]))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", LAWS)
 def test_harmonic_balance_and_time_integration_agree(name: str) -> None:
     """Amplitude and phase of the mean and five harmonics, largest displacement, energy of a period."""
@@ -74,7 +74,7 @@ def test_harmonic_balance_and_time_integration_agree(name: str) -> None:
     assert (march.dissipated_energy[0] > 0.1 * exchanged) == (name in ("jenkins", "iwan"))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_more_harmonics_come_closer_to_the_motion_in_time() -> None:
     """A cubic spring: each pair of harmonics takes the balance ten times closer, down to the error of the step."""
     law, axis, size = LAWS["cubic"]
@@ -90,7 +90,7 @@ def test_more_harmonics_come_closer_to_the_motion_in_time() -> None:
     assert errors[2] < 1e-4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_error_falls_with_the_square_of_the_step() -> None:
     law, axis, size = LAWS["cubic"]
     row = np.eye(3)[axis]
@@ -120,7 +120,7 @@ def test_the_steps_of_the_law_equal_the_compiled_march_of_coulomb_pairs() -> Non
     assert not stepped.dissipated_energy[2]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_mixed_joint_balances_its_energy_and_agrees_with_the_balance() -> None:
     laws: list[ss.ContactLaw] = [
         coulomb([3e5], [1e5], [0.3], [8.0], [0.0]),

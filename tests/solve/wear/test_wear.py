@@ -134,7 +134,7 @@ def loads_after(depth: FloatArray) -> FloatArray:
     return pairs.preload + 2e6 * (rows @ moved - depth)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_fixed_frequency_agrees_with_explicit_cycle_jumps() -> None:
     structure, pairs, excitation = block()
     hertz, cycles, jumps, alpha = 250.0, 1.5e6, 6, 5e-14
@@ -157,7 +157,7 @@ def test_a_fixed_frequency_agrees_with_explicit_cycle_jumps() -> None:
     assert worn.frequency_hz == pytest.approx(hertz)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_motion_is_that_of_the_highest_peak_of_the_worn_joint() -> None:
     structure, pairs, excitation = block()
     worn = ss.wear(structure, pairs, excitation, [1.0, 0.0, 0.0], area=AREA, energy_wear_coefficient=5e-14, cycles=1e6,
@@ -171,7 +171,7 @@ def test_the_motion_is_that_of_the_highest_peak_of_the_worn_joint() -> None:
         assert worn.amplitude[place] == pytest.approx(curve.amplitude([1.0, 0.0, 0.0]).max(), rel=2e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_another_peak_that_becomes_the_highest_takes_over() -> None:
     # Two masses that do not touch each other. Wear takes the load of the pair that holds the first one, which slips.
     omega = 2.0 * np.pi * np.array([10.0, 15.0])
