@@ -51,9 +51,9 @@ BOTH = tests=$$?; wait $$linters && exit $$tests
 check: $(INSTALLED)
 	@$(LINTERS_BESIDE); $(PYTEST) -m "not slow" --durations=10 --durations-min=1; $(BOTH)
 
-# Continuous integration runs the longest tests too: processes that die, whole studies, benchmarks. They alone run some
-# lines, most of them those of the published study, so it also requires more of the coverage than pyproject.toml.
-CHOSEN = $(if $(STICKSLIP_REQUIRE_TOOLS),--cov-fail-under=97,-m "not long")
+# Continuous integration runs the longest tests too: processes that die, whole studies, benchmarks. They alone run many
+# lines, so without them the coverage is printed and not required.
+CHOSEN = $(if $(STICKSLIP_REQUIRE_TOOLS),,-m "not long" --cov-fail-under=0)
 
 test: $(INSTALLED)
 	@$(LINTERS_BESIDE); $(PYTEST) $(CHOSEN) --numprocesses $(ONE_MORE) --cov --cov-report=term; $(BOTH)
