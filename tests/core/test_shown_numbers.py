@@ -38,5 +38,6 @@ def test_a_sentence_of_a_terminal_is_typeset_on_a_page() -> None:
     )
     assert unit_on_page("um") == "µm"
     assert unit_on_page("1/um, lump") == "1/µm, lump"
+    assert typeset("182 mm2 and 4e+03 N/mm3, but body m2") == "182 mm² and 4 × 10³ N/mm³, but body m2"
     copied = 'sq = "5 um", solver.tolerance = 1e-09, stickslip run --out x-1, 2026-11-26'
     assert typeset(copied) == copied

@@ -59,9 +59,11 @@ def raised(words: str) -> str:
 
 
 def unit_on_page(unit: str) -> str:
-    """The unit of a key as a page shows it: µm, which a study file may write as um."""
+    """A unit, or words with units, as a page shows them: µm, m², mm³ for um, m2, mm3."""
     return re.sub(
-        r"(?<=[/\d ])(mm|m)([23])\b", lambda found: found[1] + "²³"[int(found[2]) - 2], re.sub(r"\bum\b", "µm", unit)
+        r"(?:(?<=/)|(?<=\d )|^)(mm|m)([23])\b",
+        lambda found: found[1] + "²³"[int(found[2]) - 2],
+        re.sub(r"\bum\b", "µm", unit),
     )
 
 

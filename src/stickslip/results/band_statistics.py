@@ -28,7 +28,7 @@ from stickslip.results.band import (
 )
 from stickslip.results.influence import Coordinate, Influence, influence
 from stickslip.results.netcdf import netcdf_bytes
-from stickslip.results.sweep_table import SweepCurve, SweepTable
+from stickslip.results.sweep_table import FEW_HARMONICS, FEW_SAMPLES, SweepCurve, SweepTable
 
 if TYPE_CHECKING:
     import xarray
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 _NUMBER = re.compile(r"\d[\d.,e+-]*")
 
 
-# Why a sample was solved again: beginning of its words (study/analyses.py) -> the reason without its number.
+# Why a sample was solved again: the words before the number -> the reason without it.
 AGAIN = {
-    "the estimated error by neglected harmonics is": "the estimated error by neglected harmonics was too large",
-    "the residual with doubled samples is": "the residual with doubled samples was too large",
+    FEW_HARMONICS: "the estimated error by neglected harmonics was too large",
+    FEW_SAMPLES: "the residual with doubled samples was too large",
 }
 EARLY = "the curve ended early"
 

@@ -29,6 +29,9 @@ Value = float | int | str
 MEASURES = tuple(SUMMARY_COLUMNS)
 _WHOLE = frozenset({"peak_bracketed", "pairs_stuck", "pairs_stick_slip", "pairs_separating"})
 
+# Why a sample was solved again: the words before the number.
+FEW_HARMONICS, FEW_SAMPLES = "the estimated error by neglected harmonics is", "the residual with doubled samples is"
+
 # Sections whose keys need their name: the coefficient of the friction, the amplitude of the excitation.
 _NAMING = frozenset({"friction", "excitation", "damper", "material", "roughness"})
 

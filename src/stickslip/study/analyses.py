@@ -15,6 +15,7 @@ from stickslip.core.resolution import LEAST_SAMPLES, SAMPLES_PER_HARMONIC
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
+from stickslip.results.sweep_table import FEW_HARMONICS, FEW_SAMPLES
 from stickslip.solve.forced import unreported_response
 from stickslip.solve.modes.nonlinear_mode import unreported_mode
 from stickslip.solve.other_solutions import search_other_solutions
@@ -37,7 +38,6 @@ DIGITS, SAMPLED_SHARE = 1e-4, 0.1
 LONGEST_STEP = 0.2
 # Entry of the settings of a response: why a first, quick curve was no result.
 SOLVED_AGAIN = "solved_again"
-_SAMPLED = "residual_with_doubled_samples"
 
 Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 
@@ -106,7 +106,7 @@ def sample_curve(
             if not reason:
                 return reported(quick)
             reasons.append(reason)
-            is_coarse = reason == _too_few_samples(quick) and numbers.samples < case.solver.samples
+            is_coarse = reason.startswith(FEW_SAMPLES) and numbers.samples < case.solver.samples
             numbers = replace(numbers, samples=case.solver.samples) if is_coarse else None
     return reported(forced_curve(case, model, listener, threads, checks=False, most_points=MOST_POINTS))
 
@@ -132,17 +132,12 @@ def _why_not(response: ForcedResponse, accuracy: float) -> str:
     if not response.converged:
         return response.message
     neglected = float(response.settings["error_by_neglected_harmonics"])
-    sampled = float(response.settings[_SAMPLED])
+    sampled = float(response.settings["residual_with_doubled_samples"])
     if not neglected <= accuracy:
-        return f"the estimated error by neglected harmonics is {100.0 * neglected:.2g} %"
+        return f"{FEW_HARMONICS} {100.0 * neglected:.2g} %"
     if not sampled <= SAMPLED_SHARE * accuracy:
-        return _too_few_samples(response)
+        return f"{FEW_SAMPLES} {100.0 * sampled:.2g} %"
     return ""
-
-
-def _too_few_samples(response: ForcedResponse) -> str:
-    """The reason of a curve that neglects too little but its samples."""
-    return f"the residual with doubled samples is {100.0 * float(response.settings[_SAMPLED]):.2g} %"
 
 
 def forced_curve(

@@ -121,6 +121,20 @@ def test_constants_at_a_temperature(tmp_path: Path, temperature: float | None, w
     assert material.poisson_ratio == pytest.approx(ratio, rel=1e-9)
 
 
+def test_a_table_without_positions_goes_on(tmp_path: Path) -> None:
+    """As a user writes it: the second commands follow the first ones; the table of another time is erased."""
+    lines = [
+        "MPTEMP,1,0,1,2",
+        "MPTEMP",
+        "MPTEMP,,20,300",
+        "MPTEMP,,500",
+        "MPDATA,EX,1,1,210e3,200e3",
+        "MPDATA,EX,1,,150e3",
+    ]
+    material = archive_with(tmp_path, [*lines, "MP,PRXY,1,0.3"], 0, 400.0).materials["material 1"]
+    assert material.young_modulus == pytest.approx(175e9, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("lines", "system"),
     [

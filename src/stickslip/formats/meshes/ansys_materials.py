@@ -46,24 +46,30 @@ class Materials:
         self._tables[key] = _Table(entry.line, {1: (0.0, entry.number(entry.word(2)))})
 
     def take_temperatures(self, entry: Entry) -> None:
-        """MPTEMP,start,temperatures, or as CDWRITE writes it with two more words before. Raises ImportFileError."""
-        words = entry.words[2:] if entry.word(0).startswith(("R5", "UNBL")) else entry.words
+        """MPTEMP,start,temperatures, or as CDWRITE writes it with two more words before. Raises ImportFileError.
+
+        Without a start they follow the last ones; without anything they are erased.
+        """
+        words = _values(entry)
         start = entry.whole(words[0]) if words else 0
-        if start <= 1:
+        if start == 1 or not any(words):
             self._temperatures = {}
-        for at, word in enumerate(words[1:], max(start, 1)):
+        for at, word in enumerate(words[1:], start or max(self._temperatures, default=0) + 1):
             if word:
                 self._temperatures[at] = entry.number(word)
 
     def take_table(self, entry: Entry) -> None:
-        """MPDATA,label,material,start,values, or with two more words before. Raises ImportFileError."""
-        words = entry.words[2:] if entry.word(0).startswith(("R5", "UNBL")) else entry.words
+        """MPDATA,label,material,start,values, or with two more words before. Raises ImportFileError.
+
+        Without a start they follow the last ones of the same constant.
+        """
+        words = _values(entry)
         if len(words) < 4:
             entry.fail("a label, a material, a position and a value are required.")
-        key, start = (entry.label(words[1]), words[0].upper()), max(entry.whole(words[2]), 1)
+        key, start = (entry.label(words[1]), words[0].upper()), entry.whole(words[2])
         if start == 1 or key not in self._tables:
             self._tables[key] = _Table(entry.line)
-        for at, word in enumerate(words[3:], start):
+        for at, word in enumerate(words[3:], start or max(self._tables[key].values, default=0) + 1):
             if word:
                 if at > 1 and at not in self._temperatures:
                     entry.fail(f"value {at} has no temperature; MPTEMP before it must give one.")
@@ -147,6 +153,11 @@ class Materials:
 
     def _first(self, number: int, label: str) -> float:
         return next(iter(self._tables[number, label].values.values()))[1]
+
+
+def _values(entry: Entry) -> list[str]:
+    """The words of a command without the two that CDWRITE puts before them."""
+    return entry.words[2:] if entry.word(0).startswith(("R5", "UNBL")) else entry.words
 
 
 def _is_same(values: FloatArray, wanted: FloatArray) -> bool:
