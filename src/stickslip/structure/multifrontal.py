@@ -23,7 +23,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse
-from numpy.typing import NDArray
 from scipy.linalg.blas import dsyr2k, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 from threadpoolctl import threadpool_limits
@@ -34,7 +33,7 @@ from stickslip.core.threads import in_threads
 from stickslip.core.validation import FloatArray
 from stickslip.structure.dissection import nested_dissection
 from stickslip.structure.mesh import IntArray
-from stickslip.structure.triangular import WIDEST_PANEL, TriangularFactor
+from stickslip.structure.triangular import WIDEST_PANEL, IndexArray, TriangularFactor
 
 # chosen: a larger front is worked on by several threads, so many rows at a time. The division does not depend on the
 # number of threads, and neither do the digits; those of the symmetric products of OpenBLAS do not either (tested).
@@ -80,18 +79,15 @@ def condensed(
     sets = _fronts_of(matrices, node, position, interior)
     order = np.concatenate([*sets, boundary]) if sets else boundary
     ordered = [_upper(matrix, order) for matrix in matrices]
-    elimination = _Elimination(ordered, len(interior), len(boundary), beside, threads)
-    first = 0
-    for members in sets:
-        elimination.eliminate(first, first + len(members))
-        first += len(members)
+    row = np.empty(matrices[0].shape[0], dtype=np.int32)
+    row[order] = np.arange(len(order))
+    fronts = _planned(ordered, [len(members) for members in sets])
+    elimination = _Elimination(ordered, _empty_factor(fronts, row[interior]), len(boundary), beside, threads)
+    for front in fronts:
+        elimination.eliminate(front)
         if progress is not None:
-            progress(first / max(len(interior), 1))
-    place = np.empty(matrices[0].shape[0], dtype=np.int64)
-    place[interior] = np.arange(len(interior))
-    row = np.empty(len(interior), dtype=np.int32)
-    row[place[order[: len(interior)]]] = np.arange(len(interior))
-    return elimination.factor(row), elimination.boundary_matrices()
+            progress(front.stop / len(interior))
+    return elimination.factor, elimination.boundary_matrices()
 
 
 def _fronts_of(matrices: Sequence[Any], node: IntArray, position: FloatArray, interior: IntArray) -> list[IntArray]:
@@ -121,87 +117,109 @@ def _upper(matrix: Any, order: IntArray) -> Any:
 class _Waiting:
     """What an eliminated front leaves for a later one: its rows and the lower triangles of its matrices."""
 
-    rows: IntArray
+    rows: IndexArray
     updates: list[FloatArray]
 
 
-@dataclass
-class _Panel:
-    """Neighbouring columns of L D L^T, see :class:`TriangularFactor`: its numbers, the rows below, and D."""
+@dataclass(frozen=True)
+class _Front:
+    """The rows ``first`` to ``stop`` that a front eliminates, and the later ones that they act on."""
 
     first: int
-    values: FloatArray
-    rows: IntArray
-    diagonal: FloatArray
+    stop: int
+    later: IndexArray
 
 
-def _panels(first: int, own: FloatArray, below: FloatArray, later: IntArray) -> list[_Panel]:
-    """The panels of a front whose Cholesky factor (p, p) is the lower triangle of ``own``, and (r, p) ``below``."""
-    roots, panels = own.diagonal(), []
-    for start in range(0, len(own), WIDEST_PANEL):
-        stop = min(start + WIDEST_PANEL, len(own))
-        values = np.vstack([own[start:, start:stop], below[:, start:stop]]) / roots[start:stop]
-        rows = np.append(first + np.arange(stop, len(own)), later)
-        panels.append(_Panel(first + start, values, rows, roots[start:stop] ** 2))
-    return panels
+def _planned(matrices: Sequence[Any], sizes: Sequence[int]) -> list[_Front]:
+    """The fronts of upper triangles, with so many rows each: what elimination fills in, before any number is known."""
+    fronts: list[_Front] = []
+    arriving: dict[int, list[IndexArray]] = {}  # later rows of fronts, by the first of them
+    first = 0
+    for size in sizes:
+        stop = first + size
+        arrived = [rows for row in range(first, stop) for rows in arriving.pop(row, [])]
+        reached = [matrix.indices[matrix.indptr[first] : matrix.indptr[stop]] for matrix in matrices]
+        rows = np.unique(np.concatenate([*reached, *arrived]))
+        later = rows[np.searchsorted(rows, stop) :].astype(np.int32)
+        if len(later):
+            arriving.setdefault(int(later[0]), []).append(later)
+        fronts.append(_Front(first, stop, later))
+        first = stop
+    return fronts
+
+
+def _empty_factor(fronts: Sequence[_Front], place: IndexArray) -> TriangularFactor:
+    """A factor with room for the numbers of all fronts, panel by panel; ``place`` (n,) is the row of each unknown.
+
+    The panels of large meshes take most of the memory: they are written to where they remain, and never copied.
+    """
+    size = len(place)
+    firsts, below = [], []
+    for front in fronts:
+        inside = front.later[: np.searchsorted(front.later, size)]
+        for start in range(front.first, front.stop, WIDEST_PANEL):
+            stop = min(start + WIDEST_PANEL, front.stop)
+            firsts.append(start)
+            below.append(np.append(np.arange(stop, front.stop, dtype=np.int32), inside))
+    bounds = np.array([*firsts, size])
+    width, count = np.diff(bounds), np.array([len(each) for each in below], dtype=np.int64)
+    row_starts, value_starts = (np.append(0, np.cumsum(each)) for each in (count, width * (width + count)))
+    rows = np.concatenate(below) if below else np.empty(0, dtype=np.int32)
+    return TriangularFactor(bounds, row_starts, rows, value_starts, np.empty(value_starts[-1]), np.empty(size), place)
 
 
 class _Elimination:
-    """The elimination of one front after the other."""
+    """The elimination of one front after the other, which fills an empty factor."""
 
-    def __init__(self, matrices: Sequence[Any], n_interior: int, n_boundary: int, beside: int, threads: int) -> None:
-        self._matrices, self._interior, self._threads = matrices, n_interior, threads
-        self._size = n_interior + n_boundary
-        self._local = np.empty(self._size, dtype=np.int64)
+    def __init__(
+        self, matrices: Sequence[Any], factor: TriangularFactor, n_boundary: int, beside: int, threads: int
+    ) -> None:
+        self.factor = factor
+        self._matrices, self._interior, self._threads = matrices, len(factor.place), threads
+        size = self._interior + n_boundary
+        self._local = np.empty(size, dtype=np.int64)
         self._waiting: dict[int, list[_Waiting]] = {}  # by the first row, which is one of a later front
         self._boundary = [np.zeros((n_boundary + beside, n_boundary + beside)) for _ in matrices]
-        self._panels: list[_Panel] = []
-        boundary = np.arange(n_interior, self._size)
-        self._local[boundary] = boundary - n_interior
+        boundary = np.arange(self._interior, size)
+        self._local[boundary] = boundary - self._interior
         none = np.empty((0, 0))
         for matrix, whole in zip(matrices, self._boundary, strict=True):
             _add_rows(
-                matrix.indptr, matrix.indices, matrix.data, n_interior, self._size, self._local, n_boundary, whole, none
+                matrix.indptr, matrix.indices, matrix.data, self._interior, size, self._local, n_boundary, whole, none
             )
 
-    def eliminate(self, first: int, stop: int) -> None:
-        """Eliminate the unknowns of rows ``first`` to ``stop``."""
+    def eliminate(self, front: _Front) -> None:
+        """Eliminate the unknowns of a front."""
+        first, stop, later = front.first, front.stop, front.later
         arrived = [each for row in range(first, stop) for each in self._waiting.pop(row, [])]
-        reached = [matrix.indices[matrix.indptr[first] : matrix.indptr[stop]] for matrix in self._matrices]
-        rows = np.unique(np.concatenate([*reached, *(each.rows for each in arrived)]))
-        later = rows[np.searchsorted(rows, stop) :].astype(np.int64)
         own, rest = stop - first, len(later)
         self._local[first:stop] = np.arange(own)
         self._local[later] = own + np.arange(rest)
-        fronts = [(np.zeros((own, own)), np.zeros((rest, own)), np.zeros((rest, rest))) for _ in self._matrices]
-        for matrix, (corner, below, _) in zip(self._matrices, fronts, strict=True):
+        parts = [(np.zeros((own, own)), np.zeros((rest, own)), np.zeros((rest, rest))) for _ in self._matrices]
+        for matrix, (corner, below, _) in zip(self._matrices, parts, strict=True):
             _add_rows(matrix.indptr, matrix.indices, matrix.data, first, stop, self._local, own, corner, below)
         while arrived:
             child = arrived.pop()
-            for update, front in zip(child.updates, fronts, strict=True):
-                _add_update(update, self._local[child.rows], own, *front)
-        constraint = self._factored(*fronts[0], fronts[1:])
-        for front in fronts[1:]:
-            self._condensed(*front, constraint)
+            for update, part in zip(child.updates, parts, strict=True):
+                _add_update(update, self._local[child.rows], own, *part)
+        constraint = self._factored(*parts[0], parts[1:])
         inside = int(np.searchsorted(later, self._interior))
-        self._panels += _panels(first, fronts[0][0], fronts[0][1][:inside], later[:inside])
-        self._leave(_Waiting(later, [update for _, _, update in fronts]), inside)
+        self._store(first, parts[0][0], parts[0][1][:inside])
+        for part in parts[1:]:
+            self._condensed(*part, constraint)
+        self._leave(_Waiting(later, [update for _, _, update in parts]), inside)
 
-    def factor(self, row: NDArray[np.int32]) -> TriangularFactor:
-        """The factor of the interior, complete; ``row`` (n_interior,) is the row of each unknown. Empties this one."""
-        panels, self._panels = self._panels, []
-        firsts = [each.first for each in panels]
-        row_starts = np.cumsum([0, *(len(each.rows) for each in panels)])
-        value_starts = np.cumsum([0, *(each.values.size for each in panels)])
-        rows, values = np.empty(row_starts[-1], dtype=np.int32), np.empty(value_starts[-1])
-        diagonal = np.concatenate([each.diagonal for each in panels])
-        for k in range(len(panels) - 1, -1, -1):  # each panel is released once it is copied
-            panel = panels.pop()
-            rows[row_starts[k] : row_starts[k + 1]] = panel.rows
-            values[value_starts[k] : value_starts[k + 1]] = panel.values.ravel()
-        return TriangularFactor(
-            np.array([*firsts, self._interior]), row_starts, rows, value_starts, values, diagonal, row
-        )
+    def _store(self, first: int, own: FloatArray, below: FloatArray) -> None:
+        """Write L and D of a front: its Cholesky factor is the lower triangle of ``own`` (p, p), and ``below``."""
+        roots, factor = own.diagonal(), self.factor
+        factor.diagonal[first : first + len(own)] = roots**2
+        for start in range(0, len(own), WIDEST_PANEL):
+            stop = min(start + WIDEST_PANEL, len(own))
+            panel = int(np.searchsorted(factor.firsts, first + start))
+            bounds = factor.value_starts[panel : panel + 2]
+            numbers = factor.values[bounds[0] : bounds[1]].reshape(-1, stop - start)
+            np.divide(own[start:, start:stop], roots[start:stop], out=numbers[: len(own) - start])
+            np.divide(below[:, start:stop], roots[start:stop], out=numbers[len(own) - start :])
 
     def boundary_matrices(self) -> list[FloatArray]:
         """The condensed matrices, complete."""
