@@ -7,6 +7,7 @@ import pytest
 import scipy.linalg
 
 from sentences import rejects
+from stickslip.core import block_lanczos
 from stickslip.core.block_lanczos import TooManyModes, lowest_modes
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
@@ -37,7 +38,12 @@ class Pencil:
         assert np.abs(left).max() < 1e-8 * np.abs(self.stiffness @ vectors).max()
 
 
-def test_the_lowest_solutions_are_those_of_a_dense_solver_in_fewer_solutions() -> None:
+@pytest.mark.parametrize("room", [64, 5])
+def test_the_lowest_solutions_are_those_of_a_dense_solver_in_fewer_solutions(
+    room: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where a block of vectors is divided between arrays of the basis."""
+    monkeypatch.setattr(block_lanczos, "MORE_ROOM", room)
     values = np.geomspace(1.0, 1e6, 400)
     pencil = Pencil(values)
     found, vectors = lowest_modes(pencil.solve, pencil.weigh, 400, count=20, columns=8)

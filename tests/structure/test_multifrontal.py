@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Callable
 
 import numpy as np
@@ -87,6 +88,21 @@ def test_symmetric_products_of_the_library_have_the_same_digits_in_threads(colum
     for others in answers[1:]:
         for one, other in zip(answers[0], others, strict=True):
             np.testing.assert_array_equal(one, other)
+
+
+def test_the_factor_is_in_memory_once(make_block: Callable[..., Mesh], held_block: Structure) -> None:
+    """A large mesh has little memory beside its factor: panels are not copied from where elimination writes them."""
+    of_block(held_block)  # compiled functions take memory too
+    block = assemble(make_block((30, 8, 8), (3.0, 0.8, 0.8)), Material(), fixed_nodes=range(81))
+    boundary, interior = partition(block, np.array([block.mesh.n_nodes - 1]))
+    tracemalloc.start()
+    try:
+        factor, _ = condensed((block.stiffness,), block.node, block.mesh.points, boundary, interior)
+        held, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert factor.values.nbytes > 0.95 * held
+    assert peak < 1.7 * held
 
 
 def test_a_stiffness_that_is_not_positive_definite_is_singular(held_block: Structure) -> None:

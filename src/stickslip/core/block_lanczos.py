@@ -27,7 +27,7 @@ Operator = Callable[[FloatArray], FloatArray]
 # chosen: as many solutions at a time read the factor as often as one; more make a larger basis. 30 modes of 440 pairs
 # take 176 vectors in 20 solutions, with 16 columns 272 in 15; single vectors take 142 solutions.
 COLUMNS = 8
-MORE_ROOM = 64  # chosen: vectors for which the basis grows at a time
+MORE_ROOM = 64  # chosen: vectors in one array of the basis
 # chosen: residual of a Ritz value x of T, over x, and over the largest one (round-off of the solutions). The error of x
 # is its square, that of a vector this over the relative distance to the next solution.
 TOLERANCE, ROUND_OFF = 1e-10, 1e-15
@@ -102,12 +102,57 @@ def lowest_modes(
                 krylov.append(solve(weigh(random.standard_normal((size, columns)))))
 
 
+class _Vectors:
+    """Vectors (n,) as rows of a growing matrix V^T (k, n), in arrays of ``MORE_ROOM`` rows that are never copied.
+
+    Those of a million unknowns take gigabytes; memory of rows that are not written yet is not taken.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._size, self._count = size, 0
+        self._parts: list[FloatArray] = []
+
+    def append(self, rows: FloatArray) -> None:
+        """Add rows (c, n)."""
+        while len(rows):
+            used = self._count - MORE_ROOM * (len(self._parts) - 1)
+            if not self._parts or used == MORE_ROOM:
+                self._parts.append(np.empty((MORE_ROOM, self._size)))
+                used = 0
+            fitting = rows[: MORE_ROOM - used]
+            self._parts[-1][used : used + len(fitting)] = fitting
+            self._count += len(fitting)
+            rows = rows[len(fitting) :]
+
+    def between(self, start: int, stop: int) -> FloatArray:
+        """Rows ``start`` to ``stop``, a copy."""
+        pieces = [part[max(start - first, 0) : max(stop - first, 0)] for first, part in self._written()]
+        return np.vstack([np.empty((0, self._size)), *pieces])
+
+    def products(self, block: FloatArray) -> FloatArray:
+        """``V^T block`` (k, c) of (n, c)."""
+        return np.vstack([np.empty((0, block.shape[1])), *(part @ block for _, part in self._written())])
+
+    def combined(self, turns: FloatArray) -> FloatArray:
+        """``V turns`` (n, c) of coefficients (m, c) of the first m vectors."""
+        answer = np.zeros((self._size, turns.shape[1]))
+        for first, part in self._written():
+            factors = turns[first : first + len(part)]
+            answer += part[: len(factors)].T @ factors
+        return answer
+
+    def _written(self) -> list[tuple[int, FloatArray]]:
+        """The first row of each array, and its rows."""
+        firsts = [MORE_ROOM * k for k in range(len(self._parts))]
+        return [(first, part[: self._count - first]) for first, part in zip(firsts, self._parts, strict=True)]
+
+
 class _Krylov:
-    """A growing basis V, the products M V, and the projection of T; arrays (k, n) with a vector in each row."""
+    """A growing basis V, the products M V, and the projection of T."""
 
     def __init__(self, solve: Operator, weigh: Operator, size: int) -> None:
         self._solve, self._weigh, self._size = solve, weigh, size
-        self._basis, self._weighted = np.empty((0, size)), np.empty((0, size))
+        self._basis, self._weighted = _Vectors(size), _Vectors(size)
         self._width, self._stepped, self._last = 0, 0, 0  # vectors; those T was applied to, and the last of these
         self._projection = np.zeros((0, 0))  # H of the vectors that T was applied to
         self._coupling = np.zeros((0, 0))  # R: of the last of these to the vectors after them
@@ -123,37 +168,30 @@ class _Krylov:
         if not room:
             return
         # The columns may differ by many orders in size: an orthonormal basis of them before the second pass.
-        part = self._without(block, self._products(block)) if first_pass else block
+        part = self._without(block, self._weighted.products(block)) if first_pass else block
         basis = np.linalg.qr(part[:, :room])[0]
-        basis = self._without(basis, self._products(basis))
+        basis = self._without(basis, self._weighted.products(basis))
         weighted = self._weigh(basis)
         for _ in range(2):  # the second time for the round-off of a block that M nearly makes dependent
             squares, turns = scipy.linalg.eigh(basis.T @ weighted)
             chosen = squares > NO_DIRECTION * squares[-1]
             turns = turns[:, chosen] / np.sqrt(squares[chosen])
             basis, weighted = basis @ turns, weighted @ turns
-        stop = self._width + basis.shape[1]
-        if stop > len(self._basis):
-            more = np.empty((max(MORE_ROOM, basis.shape[1]), self._size))
-            self._basis, self._weighted = (np.vstack([each, more]) for each in (self._basis, self._weighted))
-        self._basis[self._width : stop], self._weighted[self._width : stop] = basis.T, weighted.T
-        self._width = stop
-
-    def _products(self, block: FloatArray) -> FloatArray:
-        """``V^T M`` times a block."""
-        return np.asarray(self._weighted[: self._width] @ block)
+        self._basis.append(basis.T)
+        self._weighted.append(weighted.T)
+        self._width += basis.shape[1]
 
     def _without(self, block: FloatArray, products: FloatArray) -> FloatArray:
         """The part of a block that is M-orthogonal to the basis, to the round-off of the block."""
-        return np.asarray(block - self._basis[: self._width].T @ products)
+        return np.asarray(block - self._basis.combined(products))
 
     def step(self) -> None:
         """Apply T to the vectors that it was not applied to, and add what the basis lacks."""
         before, width = self._stepped, self._width
         if before == width:
             return
-        images = self._solve(np.ascontiguousarray(self._weighted[before:width].T))
-        products = self._products(images)
+        images = self._solve(np.ascontiguousarray(self._weighted.between(before, width).T))
+        products = self._weighted.products(images)
         own = products[before:]
         if not np.abs(own - own.T).max() <= ASYMMETRY * np.abs(own).max():
             raise ConvergenceError(
@@ -163,7 +201,7 @@ class _Krylov:
             )
         rest = self._without(images, products)
         self.append(rest, first_pass=False)
-        self._coupling = self._weighted[width : self._width] @ rest
+        self._coupling = self._weighted.between(width, self._width) @ rest
         projection = np.zeros((width, width))
         projection[:before, :before] = self._projection
         projection[:, before:] = products
@@ -180,4 +218,4 @@ class _Krylov:
 
     def vectors(self, turns: FloatArray) -> FloatArray:
         """(n, k) of coefficients in the basis."""
-        return np.asarray(self._basis[: self._stepped].T @ turns)
+        return self._basis.combined(turns)

@@ -46,21 +46,23 @@ def reduced_by_fronts(
     """
     require_modes(n_modes, interior)
     stiffness, mass, _ = matrices
-    count, inner_stiffness = len(boundary), stiffness[interior][:, interior]
+    count = len(boundary)
     report(0.0, f"condensation of {len(interior)} unknowns")
     try:
         fronts, (reduced_stiffness, reduced_mass) = condensed(
             (stiffness, mass), *of_mesh, boundary, interior, n_modes, threads,
             lambda done: report(0.7 * done, f"condensation of {len(interior)} unknowns"),
         )  # fmt: skip
+        # not before the elimination: it takes as much memory as the stiffness itself
+        inner_stiffness = stiffness[interior][:, interior]
         residual = checked_solver(inner_stiffness, fronts.solve, "multifrontal")
     except SingularMatrixError as error:
-        raise InputError(floating_message(inner_stiffness, of_mesh[0][interior])) from error
-    factor = Factor(len(interior), residual, threads, fronts.solve)
+        raise InputError(floating_message(stiffness[interior][:, interior], of_mesh[0][interior])) from error
+    factor, inner_mass = Factor(len(interior), residual, threads, fronts.solve), mass[interior][:, interior]
     squared, modes = fixed_interface_modes(
-        matrices, interior, factor, n_modes, lambda _, words: report(0.7, words), by_blocks=True
+        inner_stiffness, inner_mass, factor, n_modes, lambda _, words: report(0.7, words), by_blocks=True
     )
-    weighted = mass[interior][:, interior] @ modes
+    weighted = inner_mass @ modes
     coupling = mass[boundary][:, interior] @ modes - stiffness[boundary][:, interior] @ factor.solve(weighted)
     reduced_mass[:count, count:], reduced_mass[count:, :count] = coupling, coupling.T
     corner = modes.T @ weighted

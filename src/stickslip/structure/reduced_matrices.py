@@ -65,7 +65,9 @@ def reduced_matrices(
         return _reduced_by_blocks(matrices, gyroscopic, boundary, interior, factor, n_modes, report)
 
     transformation: Any = np.empty((len(interior), size), dtype=factor.dtype)
-    squared, transformation[:, n_boundary:] = fixed_interface_modes(matrices, interior, factor, n_modes, report)
+    squared, transformation[:, n_boundary:] = fixed_interface_modes(
+        stiffness_ii, mass[interior][:, interior], factor, n_modes, report
+    )
     constraint = transformation[:, :n_boundary]
     solved = f"{n_boundary} constraint modes"
     factor.solve(-stiffness_ib, out=constraint, progress=lambda share: report(0.3 + 0.5 * share, solved))
@@ -95,24 +97,16 @@ def require_modes(n_modes: int, interior: IntArray) -> None:
 
 
 def fixed_interface_modes(
-    matrices: tuple[Any, Any, Any],
-    interior: IntArray,
-    factor: Factor,
-    n_modes: int,
-    report: ProgressCallback,
-    by_blocks: bool = False,
+    stiffness: Any, mass: Any, factor: Factor, n_modes: int, report: ProgressCallback, by_blocks: bool = False
 ) -> tuple[FloatArray, Any]:
-    """(n_modes,) squares of the circular frequencies and (n_interior, n_modes) mass-normalised modes.
+    """(n_modes,) squares of the circular frequencies and (n_interior, n_modes) mass-normalised modes of the interior.
 
     ``by_blocks`` as :func:`stickslip.structure.elasticity.natural_frequencies` has it.
     """
     report(0.2, f"{n_modes} fixed-interface modes")
     if not n_modes:
-        return np.empty(0), np.empty((len(interior), 0), dtype=factor.dtype)
-    inner_stiffness, inner_mass = (each[interior][:, interior] for each in matrices[:2])
-    frequency_hz, modes = natural_frequencies(
-        inner_stiffness, inner_mass, n_modes, shift=0.0, factor=factor, by_blocks=by_blocks
-    )
+        return np.empty(0), np.empty((stiffness.shape[0], 0), dtype=factor.dtype)
+    frequency_hz, modes = natural_frequencies(stiffness, mass, n_modes, shift=0.0, factor=factor, by_blocks=by_blocks)
     return (2.0 * np.pi * frequency_hz) ** 2, modes
 
 
@@ -131,7 +125,9 @@ def _reduced_by_blocks(
     and ``Psi^H W = -K_bi (K_ii^-1 W)`` takes a second solution instead of a product with all constraint modes.
     """
     stiffness, mass, damping = matrices
-    squared, modes = fixed_interface_modes(matrices, interior, factor, n_modes, report)
+    squared, modes = fixed_interface_modes(
+        *(each[interior][:, interior] for each in (stiffness, mass)), factor, n_modes, report
+    )
     n_boundary, size = len(boundary), len(boundary) + n_modes
     coupling = stiffness[interior][:, boundary].tocsc()
     adjoint_coupling = coupling.conj().T.tocsr()
