@@ -126,7 +126,7 @@ def _reduced_by_blocks(
     """
     stiffness, mass, damping = matrices
     squared, modes = fixed_interface_modes(
-        *(each[interior][:, interior] for each in (stiffness, mass)), factor, n_modes, report
+        stiffness[interior][:, interior], mass[interior][:, interior], factor, n_modes, report
     )
     n_boundary, size = len(boundary), len(boundary) + n_modes
     coupling = stiffness[interior][:, boundary].tocsc()
