@@ -30,7 +30,7 @@ from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.damping import DAMPED_RANGE
 from stickslip.solve.harmonic.energy import EquationOfMotion, StructureEquation
 from stickslip.solve.harmonic.linear import Limit, LinearLimit
-from stickslip.solve.harmonic.operator_products import own_products
+from stickslip.solve.harmonic.operator_products import Rows, as_rows, own_products, row_squares
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_static, soft_structure
 from stickslip.solve.harmonic.support import factor_without_friction, needs_friction
@@ -299,7 +299,7 @@ def prepare_balances(
         # The stuck pairs of such a body carry its mean load: only they know where it is.
         pairs = pairs.retaining()
     force = excitation.on(superelement, harmonics)
-    operator = pairs.operator
+    operator = as_rows(pairs.operator)
     elastic, inertial = (resistance(operator, matrix) for matrix in (superelement.stiffness, superelement.mass))
     require_comparable(pairs, elastic + highest_omega**2 * inertial)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
@@ -311,7 +311,7 @@ def prepare_balances(
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
 
 
-def resistance(operator: FloatArray, matrix: FloatArray) -> FloatArray:
+def resistance(operator: Rows, matrix: FloatArray) -> FloatArray:
     """(m,) ``|b A b|`` of the rows b of an operator."""
     return np.abs(own_products(operator, matrix))
 
@@ -323,8 +323,7 @@ def require_comparable(pairs: ContactPairs, resisting: FloatArray) -> None:
     highest frequency: ``(b K b + w^2 b M b) / |b|^4`` for a row b of the operator; ``resisting`` (m,) is ``b K b + w^2
     b M b``.
     """
-    operator, springs = pairs.operator, pairs.resting_stiffness()
-    length = (operator**2).sum(axis=1)
+    springs, length = pairs.resting_stiffness(), row_squares(pairs.operator)
     allowed = STIFFEST_CONTACT * resisting
     wrong = np.flatnonzero((springs * length**2 > allowed) & (allowed > 0.0))
     if wrong.size:

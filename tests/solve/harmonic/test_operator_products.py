@@ -9,9 +9,11 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.operator_products import (
     SPARSE,
     add_springs,
+    as_rows,
     at_unknowns,
     both_sides,
     own_products,
+    row_squares,
     times,
     with_springs,
 )
@@ -46,4 +48,7 @@ def test_an_operator_that_selects_unknowns_takes_their_rows_and_columns() -> Non
 def require_products_of_a_square_matrix(operator: FloatArray, matrix: FloatArray) -> None:
     expected = operator @ matrix @ operator.T
     assert both_sides(operator, matrix) == pytest.approx(expected, rel=1e-12, abs=1e-12)
+    squares = (operator**2).sum(axis=1)
+    assert row_squares(operator) == pytest.approx(squares, rel=1e-12)
+    assert row_squares(as_rows(operator)) == pytest.approx(squares, rel=1e-12)
     assert own_products(operator, matrix) == pytest.approx(np.diag(expected), rel=1e-12, abs=1e-12)

@@ -35,7 +35,7 @@ from stickslip.solve.harmonic.harmonic_modes import (
     NewtonOperator,
     SharedModes,
 )
-from stickslip.solve.harmonic.operator_products import at_unknowns, times
+from stickslip.solve.harmonic.operator_products import Rows, as_rows, at_unknowns, times
 from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest, restrained
 from stickslip.structure.superelement import Superelement
 
@@ -92,8 +92,11 @@ class Compliance:
         self._restraint = stuck.mean_restraint * springs[:, :2]
         self.gain = gain
         self._modes = modes
-        self._operator = stuck.pairs.operator
         self._mean, self._stuck = stuck.mean, stuck
+
+    @cached_property
+    def _operator(self) -> Rows:
+        return as_rows(self._stuck.pairs.operator)
 
     @property
     def _mean_contact(self) -> FloatArray:
@@ -125,7 +128,7 @@ class Compliance:
 
     def relative(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
         """``B u`` (2H+1, m) of amplitudes, with the mean under the deviation."""
-        answer = np.empty((amplitude.shape[0] + 1, len(self._operator)))
+        answer = np.empty((amplitude.shape[0] + 1, self._operator.shape[0]))
         answer[0] = -(self._mean_contact @ deviation[0]) if deviation[0].any() else 0.0
         self._modes.relative(amplitude, answer[1:])
         return answer
@@ -137,7 +140,7 @@ class Compliance:
     def amplitude_transposed(self, omega: float, weights: FloatArray) -> FloatArray:
         """Derivative (2H+1, m) of ``sum(weights * amplitude)`` by the deviation, for weights (2H, n)."""
         modal = self.adjoint_amplitude(omega, weights)
-        return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._shared.contact.T)])
+        return np.vstack([np.zeros((1, self._operator.shape[0])), -(modal @ self._shared.contact.T)])
 
     def adjoint_amplitude(self, omega: float, weights: FloatArray) -> FloatArray:
         """Derivative (2H, n) of ``sum(weights * amplitude)`` by the modal forces, for weights (2H, n).

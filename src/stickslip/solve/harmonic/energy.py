@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -13,7 +14,7 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.operator_products import at_unknowns
+from stickslip.solve.harmonic.operator_products import Rows, as_rows, at_unknowns
 from stickslip.structure.superelement import Superelement
 
 Orders = NDArray[np.int64]
@@ -84,17 +85,21 @@ class StructureEquation:
 
     def joint_force(self, contact: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""
-        return at_unknowns(contact, self.operator)
+        return at_unknowns(contact, self._rows)
 
     def kinetic_energy(self, displacement: FloatArray, omega: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""
         first = displacement[:, 1:3]
-        energy: FloatArray = 0.5 * omega**2 * ((first @ self.superelement.mass) * first).sum(axis=(1, 2))
+        energy: FloatArray = 0.5 * omega**2 * (_product(first, self.superelement.mass) * first).sum(axis=(1, 2))
         return energy
+
+    @cached_property
+    def _rows(self) -> Rows:
+        return as_rows(self.operator)
 
 
 def _product(displacement: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Rows times a matrix, as one product."""
+    """Rows times a matrix, as one product: one for each point would read the matrix for each."""
     return np.asarray((displacement.reshape(-1, displacement.shape[-1]) @ matrix).reshape(displacement.shape))
 
 

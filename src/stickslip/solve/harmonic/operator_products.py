@@ -54,6 +54,13 @@ def at_squares(operator: Rows, springs: FloatArray) -> FloatArray:
     return np.asarray(squares.T @ springs)
 
 
+def row_squares(operator: Rows) -> FloatArray:
+    """(m,) square of the length of each row of an operator."""
+    if isinstance(operator, csr_array):
+        return np.asarray(operator.multiply(operator).sum(axis=1)).ravel()
+    return np.asarray(np.einsum("ij,ij->i", operator, operator))
+
+
 def own_products(operator: Rows, matrix: FloatArray) -> FloatArray:
     """(m,) ``b A b`` of each row b of an operator B (m, n)."""
     rows = as_rows(operator)
