@@ -38,9 +38,26 @@ def test_a_curve_goes_on_with_the_harmonics_of_the_settled_motion_if_its_own_do_
     (warning,) = curve.warnings
     assert "run again" not in warning
     limited = pieces(150.05, 200.0, 2.0, 0.0)
-    limited._settling.work.iterate(200)
+    limited._settling.work.iterate(300)
     assert not limited.follow(point(100.0)).complete
     assert hertz_of(limited) == pytest.approx([100.0, 125.0, 150.0])
+
+
+@pytest.mark.parametrize(("settles_at", "goes_on"), [(149.9, True), (148.0, False)])
+def test_a_curve_goes_on_from_a_settled_motion_shortly_before_its_end(
+    settles_at: float, goes_on: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A branch may turn back a little before it is lost, and time is integrated from its last point."""
+    motion = SettledMotion(24, 24, 128, 0.01, 0.1, point(settles_at, 2.0))
+    settled = Evidence(settles_at, 300, 1e-6, 0.5, 1, None, 3, motion)
+    monkeypatch.setattr(Solutions, "evidence", lambda *arguments, **options: settled)
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    monkeypatch.setattr(curve, "_beyond", lambda *arguments: None)
+    assert curve.follow(point(100.0)).complete == goes_on
+    assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0] + [settles_at, 200.0] * goes_on)
+    if goes_on:
+        assert curve.breaks == [2]
+        assert "jumps there to another motion" in curve.warnings[0]
 
 
 def test_a_curve_goes_on_with_its_own_harmonics_where_they_have_a_motion_beyond(

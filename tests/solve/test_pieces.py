@@ -154,7 +154,7 @@ def test_steps_that_are_too_long_lose_the_branch_and_it_goes_on_with_the_right_s
 ) -> None:
     """Pieces are kept apart here even where they meet."""
     monkeypatch.setattr(pieces_module, "SAME_MOTION", 0.0)
-    long_steps = ss.ContinuationSettings(first_step=0.05, smallest_step=0.04, largest_angle_deg=20.0)
+    long_steps = ss.ContinuationSettings(first_step=0.06, smallest_step=0.05, largest_angle_deg=20.0)
     fine, coarse = resonance(ss.ContinuationSettings()), resonance(long_steps)
     assert coarse.converged
     assert coarse.part.max() >= 1

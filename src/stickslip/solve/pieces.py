@@ -155,22 +155,26 @@ class Pieces(Generic[BalancePointT]):
             self.message = self._with_limit(why)
             return None
         point, how = found
-        onward, back = self._part(point, self._window[1]), self._part(point, edge.trial.omega)
-        if back.complete and _are_same(back.points[-1].point, edge):
+        onward = self._part(point, self._window[1])
+        # From a motion before the edge the way to it is known: nothing to look for.
+        is_before = (point.trial.omega - place) * self._direction < 0.0
+        back = None if is_before else self._part(point, place)
+        if back is not None and back.complete and _are_same(back.points[-1].point, edge):
             self.crossings.append(crossing_of([each.point for each in self.points[furthest:]], onward.points[0].point))
             del self.points[furthest + 1 :]
             self._append(back, reverse=True, first=1)
             return self._append(onward)
-        gap = self._gap(edge.trial.omega, back)
+        gap = (place, place) if back is None else self._gap(place, back)
         words = f"has no points from {_hz(min(gap))} to {_hz(max(gap))} Hz, so a peak there is not known"
         if gap[0] == gap[1]:
             words = "jumps there to another motion"
         self.breaks.append(len(self.points) - 1)
         self.warnings.append(
-            f"The curve is interrupted at {_hz(edge.trial.omega)} Hz and {words}; it continues from a motion that was "
+            f"The curve is interrupted at {_hz(place)} Hz and {words}; it continues from a motion that was "
             f"found {how} at {_hz(point.trial.omega)} Hz. The reason: {why}"
         )
-        self._append(back, reverse=True)
+        if back is not None:
+            self._append(back, reverse=True)
         return self._append(onward)
 
     def _way_on(
@@ -216,10 +220,12 @@ class Pieces(Generic[BalancePointT]):
         return None
 
     def _settled(self, evidence: Evidence | None, edge: float) -> Found | None:
-        """Once, if parts may have any number of harmonics: the motion not before a frequency to which a time
-        integration settled, with as many as it requires."""
+        """Once, if parts may have any number of harmonics: the motion close to a frequency, or beyond it, to which a
+        time integration settled, with as many as it requires."""
         motion = evidence.motion if evidence is not None and self._takes_settled else None
-        if evidence is None or motion is None or (motion.trial.omega - edge) * self._direction < 0.0:
+        if evidence is None or motion is None:
+            return None
+        if (motion.trial.omega - edge) * self._direction < -SHORT * self._width:
             return None
         if not self._varies:
             if evidence.settled.given_by == evidence.harmonics:

@@ -67,3 +67,21 @@ def test_the_round_off_is_accepted_only_near_the_tolerance() -> None:
     assert not Newton(flat, NewtonSettings(1e-9)).correct(flat.at(1.0, 0.0), plane).converged
     assert not Newton(curve, NewtonSettings(1e-11)).correct(start, plane).converged
     assert not Newton(curve, NewtonSettings(1e-9, round_off_factor=0.0)).correct(start, plane).converged
+
+
+def test_a_correction_that_goes_round_ends_early() -> None:
+    """No solution exists: every step is one over the kink, from 1 to -1 and back."""
+    curve = PlaneCurve(lambda x, y: 0.01 + abs(x), lambda x, y: (float(np.sign(x)) or 1.0, -1.0))
+    start = curve.at(1.0, 0.0)
+    newton, plane = Newton(curve, NewtonSettings(fractions=(2.0,))), Plane.fixed(start.unknowns, 0.0)
+    for patience, iterations in ((3, 3), (None, 12)):
+        correction = newton.correct(start, plane, patience)
+        assert (correction.converged, correction.iterations) == (False, iterations)
+
+
+def test_a_correction_that_falls_slowly_goes_on() -> None:
+    """A root of 10th order: each step leaves 0.9^10 = 0.35 of the residual, three leave 0.04."""
+    curve = PlaneCurve(lambda x, y: x**10, lambda x, y: (10.0 * x**9, -1.0))
+    start = curve.at(1.0, 0.0)
+    correction = Newton(curve, NewtonSettings(1e-5)).correct(start, Plane.fixed(start.unknowns, 0.0), patience=3)
+    assert (correction.converged, correction.iterations) == (True, 11)

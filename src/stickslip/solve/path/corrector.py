@@ -86,9 +86,9 @@ class Corrector(Generic[PointT]):
                 return solution, plane
         return self.problem.evaluate(unknowns, parameters), plane
 
-    def correct(self, start: PointT, plane: Plane) -> Correction[PointT]:
+    def correct(self, start: PointT, plane: Plane, patience: int | None = None) -> Correction[PointT]:
         """Newton's method, with its iterations counted."""
-        correction = self._newton.correct(start, plane)
+        correction = self._newton.correct(start, plane, patience)
         self._effort.spend(correction.iterations)
         return correction
 

@@ -16,6 +16,8 @@ FAR_STEP_TOLERANCE = 1e-3
 FINEST_STEP_TOLERANCE = 1e-8
 # chosen: relative size of a step above which the error is not round-off.
 ROUND_OFF_STEP = 1e-5
+# The error over that of some iterations before, above which a correction is stuck.
+HALF = 0.5
 # chosen: a step that leaves more than this fraction of the residual had too few digits.
 POOR_STEP = 0.1
 
@@ -80,17 +82,21 @@ class Newton(Generic[PointT]):
             wanted = min(wanted, 0.1 * self.settings.tolerance / error)
         return max(FINEST_STEP_TOLERANCE, sharper * wanted)
 
-    def correct(self, start: PointT, plane: Plane | None = None) -> Correction[PointT]:
+    def correct(self, start: PointT, plane: Plane | None = None, patience: int | None = None) -> Correction[PointT]:
         """Iterate from ``start`` until the error is below the tolerance or ``max_iterations`` are done.
 
-        A law may have kinks, so a full step can overshoot; a step that enlarges the error is shortened.
+        A law may have kinks, so a full step can overshoot; a step that enlarges the error is shortened. With
+        ``patience`` a correction fails if so many iterations do not halve the error: near a corner of the equations
+        they go round between the pieces that meet there.
         """
         settings = self.settings
         point, system, sharper = start, None, 1.0
+        errors: list[float] = []
         for iteration in range(settings.max_iterations + 1):
             if point.error <= settings.tolerance:
                 return Correction(point, True, iteration, system)
-            if iteration == settings.max_iterations or not np.isfinite(point.error):
+            errors.append(point.error)
+            if iteration == settings.max_iterations or not np.isfinite(point.error) or self._is_stuck(errors, patience):
                 break
             self.on_iteration(iteration + 1, point.error)
             system = self.problem.linearised(point, plane)
@@ -107,7 +113,14 @@ class Newton(Generic[PointT]):
             if improved.error > POOR_STEP * point.error:
                 sharper *= FAR_STEP_TOLERANCE
             point = improved
-        return Correction(point, False, settings.max_iterations, system)
+        return Correction(point, False, len(errors) - 1, system)
+
+    def _is_stuck(self, errors: list[float], patience: int | None) -> bool:
+        """Whether the last ``patience`` iterations did not halve the error, and it is above round-off."""
+        settings = self.settings
+        if patience is None or len(errors) <= patience:
+            return False
+        return errors[-1] > max(HALF * errors[-1 - patience], settings.round_off_factor * settings.tolerance)
 
     def _is_round_off(self, point: PointT, step: Step) -> bool:
         """Whether the step is too small to matter: a larger one says that the solution is elsewhere."""
