@@ -38,7 +38,7 @@ def test_a_curve_goes_on_with_the_harmonics_of_the_settled_motion_if_its_own_do_
     (warning,) = curve.warnings
     assert "run again" not in warning
     limited = pieces(150.05, 200.0, 2.0, 0.0)
-    limited._settling.work.iterate(300)
+    limited._settling.work.iterate(200)
     assert not limited.follow(point(100.0)).complete
     assert hertz_of(limited) == pytest.approx([100.0, 125.0, 150.0])
 

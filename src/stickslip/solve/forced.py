@@ -46,8 +46,8 @@ from stickslip.structure.superelement import Superelement
 DEFAULT_HARMONICS = 5
 NO_CHECKS = "No multipliers were computed, because checks are omitted."
 # chosen: allowed work on a curve, in iterations of Newton's method, for each allowed point of a branch. Complete curves
-# with rigid free dampers, the hardest class of the torture set, take 600 in the median and up to 10,300.
-WORK_PER_POINT = 6
+# with rigid free dampers, the hardest class of the torture set, take 950 in the median and up to 11,900.
+WORK_PER_POINT = 7
 
 
 def forced_response(

@@ -73,7 +73,7 @@ def test_a_limit_rises_once() -> None:
     assert work.limit_words
     work.extend()
     assert not work.limit_words
-    work.iterate(200)
-    assert "300 iterations" in work.limit_words
+    work.iterate(100)
+    assert "200 iterations" in work.limit_words
     work.extend()
-    assert "300 iterations" in work.limit_words
+    assert "200 iterations" in work.limit_words
