@@ -31,9 +31,11 @@ from stickslip.study.wear import wear_of_study, worn_faces
 # points and 340 iterations, with a light damper in gross slip 122 and 1112.
 MOST_POINTS = 300
 
-# chosen: the tolerance of the balance of such a curve, over the accuracy, and the largest residual with doubled samples
-# at its peak, also over the accuracy (2e-3, that of all curves, for 2 %).
-DIGITS, SAMPLED_SHARE = 1e-4, 0.1
+# chosen: the tolerances of the balance of such a curve at its peaks and elsewhere, over the accuracy, and the largest
+# residual with doubled samples at its peak, also over the accuracy (2e-3, that of all curves, for 2 %). Most points
+# need one iteration then, whose linear solution and tangent need no more digits than these.
+DIGITS, DIGITS_ELSEWHERE, SAMPLED_SHARE = 1e-4, 2e-2, 0.1
+FINEST_STEP, TANGENT = 1e-5, 1e-2
 # chosen: its longest step. With 0.2 in place of 0.14 the default case has 58 points, not 69, but as many iterations.
 LONGEST_STEP = 0.2
 # Entry of the settings of a response: why a first, quick curve was no result.
@@ -45,12 +47,13 @@ Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 @dataclass(frozen=True)
 class CurveNumbers:
     """The numbers of a curve in place of those of [solver]: harmonics instead of an accuracy, samples of a period,
-    tolerance, and largest step. Such a curve is checked at its peak only, and only the response output gets points at
-    its maxima."""
+    tolerance at the peaks and elsewhere, and largest step. Such a curve is checked at its peak only, and only the
+    response output gets points at its maxima."""
 
     harmonics: int
     samples: int
     tolerance: float
+    tolerance_elsewhere: float
     largest_step: float
 
 
@@ -123,6 +126,7 @@ def _quick_numbers(case: Case, accuracy: float, harmonics: int) -> CurveNumbers:
         harmonics,
         min(settings.samples, max(least, settings.samples // 2)),
         max(settings.tolerance, DIGITS * accuracy),
+        max(settings.tolerance, DIGITS_ELSEWHERE * accuracy),
         max(settings.largest_step, min(accuracy**0.5, LONGEST_STEP)),
     )
 
@@ -158,6 +162,9 @@ def forced_curve(
     if analysis.search:
         check_integration(model.superelement, model.pairs)
     newton = NewtonSettings(tolerance=numbers.tolerance if numbers else settings.tolerance)
+    few_digits = numbers and NewtonSettings(
+        tolerance=numbers.tolerance_elsewhere, finest_step=FINEST_STEP, tangent=TANGENT
+    )
     continuation = ContinuationSettings(
         largest_step=numbers.largest_step if numbers else settings.largest_step,
         smallest_step=settings.smallest_step,
@@ -180,7 +187,7 @@ def forced_curve(
         traction_starts=analysis.traction_starts,
         outputs=outputs[:1] if numbers else outputs,
         checks=checks,
-        few_digits=numbers is not None,
+        few_digits=few_digits,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )
