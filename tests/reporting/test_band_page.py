@@ -21,6 +21,7 @@ from stickslip.reporting.band_page import band_page, write_band_page
 from stickslip.reporting.templates import StudyText
 from stickslip.results.band import TractionRange
 from stickslip.results.band_statistics import BandStatistics
+from stickslip.results.sweep_table import Again
 
 PEAKS = (1e-4 * (1.0 + 2.0 * (np.arange(32) + 0.5) / 32)).tolist()
 PROVENANCE = {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"}
@@ -182,8 +183,8 @@ def test_the_page_says_which_samples_were_solved_again_and_why() -> None:
     text = html.unescape(page_of(replace(statistics, table=replace(statistics.table, rows=rows))))
     assert (
         "4 of 32 samples were solved again, with more harmonics, more samples of a period or as a single case, because "
-        "the first curve was not accurate enough: the estimated error by neglected harmonics was too large (1), the residual with "
-        "doubled samples was too large (2), the curve ended early (1). Their rows have the figures."
+        "the first curve was not accurate enough: the estimated error by neglected harmonics was too large (1), the "
+        "residual with doubled samples was too large (2), the curve ended early (1). Their rows have the figures."
     ) in text
     assert text.count("Solved again: ") == 4
     assert f"Solved again: {samples}; then {error}." in text
