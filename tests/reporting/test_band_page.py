@@ -21,6 +21,7 @@ from stickslip.reporting.band_page import band_page, write_band_page
 from stickslip.reporting.templates import StudyText
 from stickslip.results.band import TractionRange
 from stickslip.results.band_statistics import BandStatistics
+from stickslip.results.sweep_table import Again
 
 PEAKS = (1e-4 * (1.0 + 2.0 * (np.arange(32) + 0.5) / 32)).tolist()
 PROVENANCE = {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"}
@@ -53,6 +54,8 @@ def test_the_band_of_curves_is_that_of_the_samples() -> None:
     lines = named(figure, "32 samples")["y"]
     assert lines.count(None) == 32
     assert max(value for value in lines if value is not None) == pytest.approx(1e6 * max(PEAKS), rel=1e-5)
+    # more points than the samples have: the interpolation of the percentiles, not straight lines
+    assert len(lines) > 3 * sum(each.frequency_hz.size for each in statistics.curves if each is not None)
 
 
 @pytest.mark.slow
@@ -163,15 +166,25 @@ def test_the_page_in_a_browser(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_page_says_which_samples_were_solved_again_and_why() -> None:
     assert "solved again" not in page_of(band_statistics(PEAKS))
-    error, samples = "the estimated error by neglected harmonics is 3.2 %", "the residual with doubled samples is 0.3 %"
-    reasons = {1: error, 4: samples, 5: f"{samples}; then {error}", 9: "The curve ends at 3 Hz."}
+    error, samples = Again.HARMONICS.sentence(0.032), Again.SAMPLES.sentence(0.003)
+    assert error == "the estimated error by neglected harmonics is 3.2 %"
+    assert samples == "the residual with doubled samples is 0.3 %"
+    reasons = {
+        1: (error, (Again.HARMONICS,)),
+        4: (samples, (Again.SAMPLES,)),
+        5: (f"{samples}; then {error}", (Again.SAMPLES, Again.HARMONICS)),
+        9: ("The curve ends at 3 Hz.", (Again.EARLY,)),
+    }
     statistics = band_statistics(PEAKS)
-    rows = tuple(replace(row, solved_again=reasons.get(i, "")) for i, row in enumerate(statistics.table.rows))
+    rows = tuple(
+        replace(row, solved_again=reasons[i][0], again_because=reasons[i][1]) if i in reasons else row
+        for i, row in enumerate(statistics.table.rows)
+    )
     text = html.unescape(page_of(replace(statistics, table=replace(statistics.table, rows=rows))))
     assert (
-        "4 of 32 samples were solved again, with more samples of a period or as a single case, because the first curve "
-        "was not accurate enough: the estimated error by neglected harmonics was too large (1), the residual with "
-        "doubled samples was too large (2), the curve ended early (1). Their rows have the figures."
+        "4 of 32 samples were solved again, with more harmonics, more samples of a period or as a single case, because "
+        "the first curve was not accurate enough: the estimated error by neglected harmonics was too large (1), the "
+        "residual with doubled samples was too large (2), the curve ended early (1). Their rows have the figures."
     ) in text
     assert text.count("Solved again: ") == 4
     assert f"Solved again: {samples}; then {error}." in text

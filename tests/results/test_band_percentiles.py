@@ -9,7 +9,15 @@ import scipy.stats
 from band_tables import band_table
 from sentences import rejects
 from stickslip.core.errors import InputError
-from stickslip.results.band import MEASURES, curve_band, exceedance, highest_branch, limit_of, percentiles
+from stickslip.results.band import (
+    MEASURES,
+    curve_band,
+    drawn_pieces,
+    exceedance,
+    highest_branch,
+    limit_of,
+    percentiles,
+)
 from stickslip.results.sweep_table import SweepCurve
 
 PEAK = MEASURES["peak_amplitude"]
@@ -119,6 +127,19 @@ def test_between_two_points_no_amplitude_is_outside_of_theirs() -> None:
     np.testing.assert_allclose(resting, [0.0, 0.5, 1.5])
     upright = highest_branch(curve([1.0, 2.0, 2.0, 3.0], [1.0, 1.0, 4.0, 1.0]), np.array([1.5, 2.0, 2.5]))
     np.testing.assert_allclose(upright, [1.0, 4.0, 2.5])
+
+
+def test_the_drawn_line_of_a_sample_is_that_of_the_percentiles() -> None:
+    phase = np.linspace(-1.5, 1.5, 22)
+    known = curve((10.0 + 0.1 * np.tan(phase)).tolist(), np.cos(phase).tolist())
+    ((at, drawn),) = drawn_pieces(known, 4)
+    assert at.size == 4 * 21 + 1
+    np.testing.assert_allclose(drawn, highest_branch(known, at), rtol=1e-12)
+    np.testing.assert_allclose(drawn[::4], known.amplitude_m, rtol=1e-12)
+    folded = curve([1.0, 3.0, 2.0, 4.0, 5.0, 5.0], [1.0, 2.0, 3.0, 1.0, 1.0, 2.0], [0, 0, 0, 0, 1, 1])
+    ends = [(x[0], x[-1], y[0], y[-1]) for x, y in drawn_pieces(folded, 4)]
+    # between folds, in ascending order; nothing across the gap from 4 to 5; an upright step as it is
+    assert ends == [(1.0, 3.0, 1.0, 2.0), (2.0, 3.0, 3.0, 2.0), (2.0, 4.0, 3.0, 1.0), (5.0, 5.0, 1.0, 2.0)]
 
 
 def test_a_gap_between_parts_has_no_amplitude() -> None:

@@ -15,8 +15,9 @@ from stickslip.core.progress import SilentProgress
 from stickslip.model.model import build_model
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
+from stickslip.results.sweep_table import Again
 from stickslip.study import analyses
-from stickslip.study.analyses import SOLVED_AGAIN, forced_curve, sample_curve, solve
+from stickslip.study.analyses import SOLVED_AGAIN, again_because, forced_curve, sample_curve, solve
 from stickslip.sweeps import work
 from stickslip.sweeps.band import Band
 
@@ -68,6 +69,7 @@ def test_a_sample_agrees_with_the_whole_curve_within_the_accuracy(slipping: Case
     settings = response.settings
     assert (settings["harmonics"], settings["samples"]) == (whole.harmonics, 128)
     assert settings["newton_tolerance"] == 1e-4 * ACCURACY
+    assert settings["newton_tolerance_away_from_peaks"] == 2e-2 * ACCURACY
     assert response.n_points < whole.n_points
     assert response.point_harmonics is None
     quick, known = highest(response), highest(whole)
@@ -79,12 +81,40 @@ def test_a_sample_agrees_with_the_whole_curve_within_the_accuracy(slipping: Case
     np.testing.assert_allclose(ours, other, atol=ACCURACY * known.amplitude)
 
 
-def test_a_sample_with_too_few_harmonics_is_solved_again(slipping: Case, whole: ForcedResponse) -> None:
+def test_only_the_peaks_of_a_sample_have_many_digits(
+    slipping: Case, whole: ForcedResponse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    few = sample(slipping, whole.harmonics)
+    monkeypatch.setattr(analyses, "DIGITS_ELSEWHERE", analyses.DIGITS)
+    many = sample(slipping, whole.harmonics)
+    assert few.iterations.sum() < many.iterations.sum()
+    ours, other = highest(few), highest(many)
+    assert ours.amplitude == pytest.approx(other.amplitude, rel=0.02 * ACCURACY)
+    assert ours.frequency_hz == pytest.approx(other.frequency_hz, rel=1e-4)
+    at_peak = int(few.amplitude(OUTPUT).argmax())
+    assert few.residual[at_peak] <= 1e-2 * few.residual.max()
+
+
+def test_a_sample_with_too_few_harmonics_is_solved_again_with_more(slipping: Case, whole: ForcedResponse) -> None:
+    response = sample(slipping, 1)
+    kinds = again_because(response.settings)
+    assert set(kinds) == {Again.HARMONICS}
+    assert response.harmonics == 1 + 2 * len(kinds)
+    assert response.n_points < whole.n_points
+    assert float(response.settings["error_by_neglected_harmonics"]) <= ACCURACY
+    assert highest(response).amplitude == pytest.approx(highest(whole).amplitude, rel=ACCURACY)
+    first = str(response.settings[SOLVED_AGAIN]).split("; then ")[0]
+    assert float(first.removeprefix("the estimated error by neglected harmonics is ").removesuffix(" %")) > 2.0
+
+
+def test_a_sample_whose_harmonics_remain_too_few_is_solved_as_a_single_case(
+    slipping: Case, whole: ForcedResponse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(analyses, "MOST_TRIES", 0)
     response = sample(slipping, 1)
     assert np.array_equal(response.frequency_hz, whole.frequency_hz)
     assert np.array_equal(response.displacement, whole.displacement)
-    words = str(response.settings[SOLVED_AGAIN])
-    assert float(words.removeprefix("the estimated error by neglected harmonics is ").removesuffix(" %")) > 2.0
+    assert again_because(response.settings) == (Again.HARMONICS,)
 
 
 def test_a_sample_with_too_few_samples_of_a_period_is_solved_again(
@@ -128,7 +158,7 @@ def test_the_linear_limits_of_a_sample_have_few_points_and_the_same_peaks(
 def test_a_sample_whose_quick_curve_ends_early_is_solved_again(
     slipping: Case, whole: ForcedResponse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    numbers = analyses.CurveNumbers(whole.harmonics, 128, 1e-300, 0.1)  # no digits reach this tolerance
+    numbers = analyses.CurveNumbers(whole.harmonics, 128, 1e-300, 1e-300, 0.1)  # no digits reach this tolerance
     monkeypatch.setattr(analyses, "_quick_numbers", lambda *arguments: numbers)
     response = sample(slipping, whole.harmonics)
     assert response.converged

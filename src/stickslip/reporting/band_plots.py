@@ -21,13 +21,14 @@ from stickslip.reporting.look import (
 )
 from stickslip.reporting.sweep_view import axis_title
 from stickslip.reporting.thinning import thinned
-from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure
+from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure, drawn_pieces
 from stickslip.results.band_statistics import BandStatistics
 from stickslip.results.influence import Influence
 from stickslip.results.sweep_table import SweptKey
 
 DRAWN_CURVES = 64  # chosen: thin lines of samples behind the band; more are a grey area
 DRAWN_POINTS = 40_000  # chosen: points of these lines
+DRAWN_PARTS = 4  # chosen: straight parts of a step between two points of a sample
 _BAND = "rgba(0, 114, 178, 0.22)"
 _TRACTIONS = "rgba(230, 159, 0, 0.14)"
 TRACTIONS = "residual tractions, central inputs"
@@ -71,18 +72,19 @@ def _line_of_limit() -> dict[str, Any]:
 
 
 def _samples(statistics: BandStatistics) -> Iterator[dict[str, Any]]:
-    """Thin lines of the first complete curves, as one trace with gaps."""
-    drawn = [
-        (curve.frequency_hz, MICRO * curve.amplitude_m)
+    """Thin lines of the first complete curves, as one trace with gaps; between points as the percentiles have them."""
+    shown = [
+        curve
         for curve, row in zip(statistics.curves, statistics.table.rows, strict=True)
         if curve is not None and row.converged
     ][:DRAWN_CURVES]
+    drawn = [(hertz, MICRO * amplitude) for curve in shown for hertz, amplitude in drawn_pieces(curve, DRAWN_PARTS)]
     x: list[float | None] = []
     y: list[float | None] = []
     for (frequency, amplitude), places in zip(drawn, thinned(drawn, DRAWN_POINTS).indices, strict=True):
         x += [*plain_list(frequency[places]), None]
         y += [*plain_list(amplitude[places]), None]
-    trace: dict[str, Any] = line_trace(f"{len(drawn)} samples", [], [], "#b4bcc6", "solid", 0.7, hoverinfo="skip")
+    trace: dict[str, Any] = line_trace(f"{len(shown)} samples", [], [], "#b4bcc6", "solid", 0.7, hoverinfo="skip")
     yield trace | {"x": x, "y": y}
 
 

@@ -227,24 +227,35 @@ def highest_branch(curve: SweepCurve, grid: FloatArray) -> FloatArray:
     pass.
     """
     result = np.full(grid.size, -np.inf)
-    for piece in _between_folds(curve):
-        frequency, amplitude = curve.frequency_hz[piece], curve.amplitude_m[piece]
-        if frequency[0] > frequency[-1]:
-            frequency, amplitude = frequency[::-1], amplitude[::-1]
+    for frequency, amplitude in _between_folds(curve):
         inside = slice(np.searchsorted(grid, frequency[0], "left"), np.searchsorted(grid, frequency[-1], "right"))
         result[inside] = np.maximum(result[inside], _interpolated(frequency, amplitude, grid[inside]))
     result[np.isneginf(result)] = np.nan
     return result
 
 
-def _between_folds(curve: SweepCurve) -> Iterator[slice]:
-    """The pieces of a curve, with at least two points, along which its frequency changes in one direction or not."""
+def drawn_pieces(curve: SweepCurve, parts: int) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Frequencies and amplitudes (n,) of a curve between its folds and interruptions, each step in so many ``parts``,
+    with the interpolation of :func:`highest_branch`."""
+    for frequency, amplitude in _between_folds(curve):
+        steps = np.arange(parts * (frequency.size - 1) + 1) / parts
+        at = np.interp(steps, np.arange(frequency.size), frequency)
+        # On an upright piece all places have one frequency, and the interpolation has no line between them.
+        upright = frequency[0] == frequency[-1]
+        yield (frequency, amplitude) if upright else (at, _interpolated(frequency, amplitude, at))
+
+
+def _between_folds(curve: SweepCurve) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Frequencies and amplitudes (n,) of the pieces of a curve, with at least two points, along which its frequency
+    changes in one direction or not; those of an ascending frequency."""
     way = np.sign(np.diff(curve.frequency_hz))
     joined = np.diff(curve.part) == 0
     ends = np.flatnonzero((np.diff(way) != 0) | ~joined[1:] | ~joined[:-1]) + 1
     for first, last in itertools.pairwise([0, *ends.tolist(), way.size]):
         if first < last and joined[first]:
-            yield slice(first, last + 1)
+            frequency, amplitude = curve.frequency_hz[first : last + 1], curve.amplitude_m[first : last + 1]
+            forward = 1 if frequency[0] <= frequency[-1] else -1
+            yield frequency[::forward], amplitude[::forward]
 
 
 def _interpolated(frequency: FloatArray, amplitude: FloatArray, at: FloatArray) -> FloatArray:

@@ -28,20 +28,12 @@ from stickslip.results.band import (
 )
 from stickslip.results.influence import Coordinate, Influence, influence
 from stickslip.results.netcdf import netcdf_bytes
-from stickslip.results.sweep_table import FEW_HARMONICS, FEW_SAMPLES, SweepCurve, SweepTable
+from stickslip.results.sweep_table import Again, SweepCurve, SweepTable
 
 if TYPE_CHECKING:
     import xarray
 
 _NUMBER = re.compile(r"\d[\d.,e+-]*")
-
-
-# Why a sample was solved again: the words before the number -> the reason without it.
-AGAIN = {
-    FEW_HARMONICS: "the estimated error by neglected harmonics was too large",
-    FEW_SAMPLES: "the residual with doubled samples was too large",
-}
-EARLY = "the curve ended early"
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,16 +139,16 @@ class BandStatistics:
 
     @property
     def solved_again(self) -> str:
-        """How many samples were solved again and why, each reason without its number; "" for none."""
-        reasons = [row.solved_again for row in self.table.rows if row.solved_again]
+        """How many samples were solved again and why, each first reason without its number; "" for none."""
+        reasons = [row.again_because[0] for row in self.table.rows if row.again_because]
         if not reasons:
             return ""
-        kinds = Counter(next((kind for kind in AGAIN if each.startswith(kind)), EARLY) for each in reasons)
-        found = ", ".join(f"{words} ({kinds[kind]})" for kind, words in (*AGAIN.items(), (EARLY, EARLY)) if kinds[kind])
+        kinds = Counter(reasons)
+        found = ", ".join(f"{kind.words()} ({kinds[kind]})" for kind in Again if kinds[kind])
         number = f"{len(reasons)} of {len(self.table.rows)} samples {'was' if len(reasons) == 1 else 'were'}"
         return (
-            f"{number} solved again, with more samples of a period or as a single case, because the first curve was "
-            f"not accurate enough: {found}. Their rows have the figures."
+            f"{number} solved again, with more harmonics, more samples of a period or as a single case, because the "
+            f"first curve was not accurate enough: {found}. Their rows have the figures."
         )
 
     def _most_frequent_warning(self) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,8 +30,31 @@ Value = float | int | str
 MEASURES = tuple(SUMMARY_COLUMNS)
 _WHOLE = frozenset({"peak_bracketed", "pairs_stuck", "pairs_stick_slip", "pairs_separating"})
 
-# Why a sample was solved again: the words before the number.
-FEW_HARMONICS, FEW_SAMPLES = "the estimated error by neglected harmonics is", "the residual with doubled samples is"
+
+class Again(StrEnum):
+    """Why a quick curve of a sample was no result, so that it was solved again."""
+
+    HARMONICS = "harmonics"
+    SAMPLES = "samples"
+    EARLY = "early"
+
+    @property
+    def quantity(self) -> str:
+        """What was too large; "" for a curve that ended early."""
+        return {
+            Again.HARMONICS: "the estimated error by neglected harmonics",
+            Again.SAMPLES: "the residual with doubled samples",
+            Again.EARLY: "",
+        }[self]
+
+    def words(self) -> str:
+        """The reason of several samples."""
+        return f"{self.quantity} was too large" if self.quantity else "the curve ended early"
+
+    def sentence(self, fraction: float) -> str:
+        """The reason of one sample, with the fraction of the motion that was too large."""
+        return f"{self.quantity} is {100.0 * fraction:.2g} %"
+
 
 # Sections whose keys need their name: the coefficient of the friction, the amplitude of the excitation.
 _NAMING = frozenset({"friction", "excitation", "damper", "material", "roughness"})
@@ -105,7 +129,9 @@ class SweepRow:
     file:
         its results file, relative to the folder of the sweep; "" if there is none.
     solved_again:
-        why its first, quick curve was no result, in words; "" for a case that was solved once.
+        why its quick curves were no result, in words; "" for a case that was solved once.
+    again_because:
+        the kinds of these reasons, in their order.
     """
 
     name: str
@@ -116,6 +142,7 @@ class SweepRow:
     warnings: tuple[str, ...] = ()
     file: str = ""
     solved_again: str = ""
+    again_because: tuple[Again, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -89,7 +89,7 @@ def response_of(
     accuracy: CurveAccuracy | None = None,
     breaks: Sequence[int] = (),
     warnings: Sequence[str] = (),
-    checked_at_peak: bool = False,
+    few_digits: NewtonSettings | None = None,
     lent: LentNumbers | None = None,
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
@@ -97,8 +97,9 @@ def response_of(
     ``peaks`` is the search for peaks that the branch missed, ``added`` that for maxima of outputs; ``no_stability``
     says why its points get no multipliers; ``accuracy`` are harmonics and errors of its points, if they differ, and
     ``lent`` their harmonics on a curve without an accuracy: ``balance`` then has the most of them. ``breaks`` are the
-    points after which the branch is interrupted, ``warnings`` sentences on them. With ``checked_at_peak`` samples and
-    harmonics are checked at the peak, not over the whole curve, and the linear limits have few points.
+    points after which the branch is interrupted, ``warnings`` sentences on them. With ``few_digits``, the settings of
+    Newton's method away from the peaks, samples and harmonics are checked at the peak, not over the whole curve, and
+    the linear limits have few points.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -131,7 +132,7 @@ def response_of(
 
     check = check_resolution(
         balance, with_more(harmonics)[1], trials, accuracy,
-        at=points_at_peak(trials) if checked_at_peak else None,
+        at=points_at_peak(trials) if few_digits else None,
         with_more=None if lent is None else with_more,
     )  # fmt: skip
     point_harmonics = None if lent is None else lent.of_points
@@ -142,7 +143,7 @@ def response_of(
     breaks = [each for each in breaks if each < len(trials) - 1]
     verdict, stability_message = _stability(trials, breaks, balance, balances, reason)
     report.stage("linear limits")
-    grid = {"uniform": FEW_UNIFORM, "beside": FEW_BESIDE} if checked_at_peak else {}
+    grid = {"uniform": FEW_UNIFORM, "beside": FEW_BESIDE} if few_digits else {}
     linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window, **grid)
     damped, free_ratio = balances.is_damped, balances.free.damping_ratio(window)
     samples = np.array([balance_of(len(trial.amplitude) // 2).samples for trial in trials])
@@ -170,7 +171,8 @@ def response_of(
         force=balances.shown(_mean_force(trials, balance)).T,
         settings=_settings(window, balances, _asked(balance, lent), newton, check, accuracy)
         | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()})
-        | ({} if added is None else {"maxima_between_points": added.words()}),
+        | ({} if added is None else {"maxima_between_points": added.words()})
+        | ({} if few_digits is None else {"newton_tolerance_away_from_peaks": few_digits.tolerance}),
         point_harmonics=None if point_harmonics is None else point_harmonics[: len(trials)],
         estimated_error=None if accuracy is None else accuracy.errors[: len(trials)],
         provenance={} if accuracy is None else {"accuracy": accuracy.words()},

@@ -24,6 +24,7 @@ from stickslip.solve.curve_structures import CurveInput, curve_structure
 from stickslip.solve.evidence import Settling
 from stickslip.solve.excitation import Excitation, force_of_arrays
 from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.checks import points_at_peak
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT, FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
 from stickslip.solve.harmonic.neglected import CurveAccuracy
@@ -37,6 +38,7 @@ from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.path.work import Work
 from stickslip.solve.pieces import Pieces
 from stickslip.solve.setting_up import Balances, StageReport, checked_window
+from stickslip.solve.sharp_peaks import sharpen
 from stickslip.solve.tractions.traction_band import DEFAULT_STARTS, TractionBandSearch
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.substructure import Substructure
@@ -157,12 +159,13 @@ def unreported_response(
     modal_damping_ratio: float | None, update: Update, newton: NewtonSettings | None,
     continuation: ContinuationSettings | None, traction_band: ArrayLike | None, traction_starts: int,
     outputs: ArrayLike | None, checks: bool, threads: int | None, progress: ProgressCallback | None,
-    few_digits: bool = False,
+    few_digits: NewtonSettings | None = None,
 ) -> ForcedResponse:  # fmt: skip
     """:func:`forced_response`, for a caller that reports a curve that ends early itself.
 
-    ``few_digits`` is for one of many curves with fixed harmonics: the points before pairs move need no iteration, and
-    samples and harmonics are checked at the peak, not over the whole curve.
+    ``few_digits`` is for one of many curves with fixed harmonics: Newton's method has these settings along the curve,
+    and those of ``newton`` at its highest points only; the points before pairs move need no iteration; and samples and
+    harmonics are checked at the peak, not over the whole curve.
     """
     began = time.perf_counter()
     window = checked_window(frequency_hz)
@@ -187,7 +190,7 @@ def unreported_response(
         motions.sentences = balances.unbounded(window)
         work = Work(2 * least + 1, WORK_PER_POINT * settings.max_points)
         curve = FrequencyCurve(balances.with_harmonics(least), work=work)
-        solver = Newton(curve, newton, report.iteration)
+        solver = Newton(curve, few_digits or newton, report.iteration)
         resonances = balances.landmarks()
 
         def walk(point: BalancePoint) -> Branch[BalancePoint]:
@@ -200,6 +203,17 @@ def unreported_response(
         except ConvergenceError as error:
             how = str(error)
         listen = follower(window, report)
+
+        def sharpened(
+            curve: Pieces[BalancePointT],
+            solver: Newton[BalancePointT],
+            added: AddedMaxima,
+            begin: Callable[[BalancePointT], None] = lambda point: None,
+        ) -> None:
+            if few_digits:
+                highest = points_at_peak([each.point.trial for each in curve.points])
+                sharp = Newton(solver.problem, newton, report.iteration)
+                sharpen(curve.points, {*highest, *added.highest}, sharp, abs(stop_omega - start_omega), begin)
 
         def finished(
             curve: Pieces[BalancePointT],
@@ -219,7 +233,7 @@ def unreported_response(
                 peaks=peaks, added=added, accuracy=reached,
                 no_stability="" if checks else NO_CHECKS,
                 breaks=curve.breaks, warnings=curve.warnings, lent=lent,
-                checked_at_peak=few_digits,
+                few_digits=few_digits,
             )  # fmt: skip
 
         settling = Settling(solver, curve, balances, report.stage, any_samples=accuracy is None)
@@ -238,10 +252,12 @@ def unreported_response(
                 mixed.points = lent.lifted(pieces.points)
                 mixed.warnings.append(lent.warning(mixed.points))
                 added = OutputMaxima(lent.newton, balances, rows, width, work, lent.begin).add(mixed)
+                sharpened(mixed, lent.newton, added, lent.begin)
                 widest, numbers = lent.widest(mixed.points), lent.numbers(mixed.points)
                 response = finished(mixed, lent.newton, widest, added, begin=lent.begin, lent=numbers)
             else:
                 added = OutputMaxima(solver, balances, rows, width, work).add(pieces)
+                sharpened(pieces, solver, added)
                 response = finished(pieces, solver, curve.balance, added)
             points: Sequence[BalancePoint] = [each.point for each in pieces.points]
         else:

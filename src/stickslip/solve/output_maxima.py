@@ -53,11 +53,15 @@ class Curve(Protocol[BalancePointT]):
 
 @dataclass(frozen=True)
 class AddedMaxima:
-    """The number of outputs and of new points, and the places in Hz of expected maxima without a solution near them."""
+    """The number of outputs and of new points, and the places in Hz of expected maxima without a solution near them.
+
+    ``highest`` are the numbers of the points where each output has its largest amplitude.
+    """
 
     outputs: int
     points: int
     failed_hz: tuple[float, ...]
+    highest: tuple[int, ...] = ()
 
     def words(self) -> str:
         """One sentence."""
@@ -213,14 +217,18 @@ class OutputMaxima(Generic[BalancePointT]):
         self._highest = np.max([each.amplitude for each in known], axis=0)
         for each in known:
             self._corrector.measure(each.point)  # the largest motion of all is the scale
-        points, breaks = curve.points[:1], []
+        points, breaks, amplitudes = curve.points[:1], [], [known[0].amplitude]
         for index, (before, after) in enumerate(itertools.pairwise(known)):
             if index in curve.breaks:
                 breaks.append(len(points) - 1)
             else:
-                points += [each.branch_point for each in self._within(before, after, DEPTH)]
+                new = self._within(before, after, DEPTH)
+                points += [each.branch_point for each in new]
+                amplitudes += [each.amplitude for each in new]
             points.append(after.branch_point)
-        added = AddedMaxima(len(self._outputs), len(points) - len(known), tuple(self._failed_hz))
+            amplitudes.append(after.amplitude)
+        highest = tuple(np.argmax(amplitudes, axis=0).tolist())
+        added = AddedMaxima(len(self._outputs), len(points) - len(known), tuple(self._failed_hz), highest)
         curve.points, curve.breaks = points, breaks
         return added
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from stickslip.core.resolution import LEAST_SAMPLES, SAMPLES_PER_HARMONIC
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.results.sweep_table import FEW_HARMONICS, FEW_SAMPLES
+from stickslip.results.sweep_table import Again
 from stickslip.solve.forced import unreported_response
 from stickslip.solve.modes.nonlinear_mode import unreported_mode
 from stickslip.solve.other_solutions import search_other_solutions
@@ -31,13 +31,18 @@ from stickslip.study.wear import wear_of_study, worn_faces
 # points and 340 iterations, with a light damper in gross slip 122 and 1112.
 MOST_POINTS = 300
 
-# chosen: the tolerance of the balance of such a curve, over the accuracy, and the largest residual with doubled samples
-# at its peak, also over the accuracy (2e-3, that of all curves, for 2 %).
-DIGITS, SAMPLED_SHARE = 1e-4, 0.1
+# chosen: the tolerances of the balance of such a curve at its peaks and elsewhere, over the accuracy, and the largest
+# residual with doubled samples at its peak, also over the accuracy (2e-3, that of all curves, for 2 %). Most points
+# need one iteration then, whose linear solution and tangent need no more digits than these.
+DIGITS, DIGITS_ELSEWHERE, SAMPLED_SHARE = 1e-4, 2e-2, 0.1
+FINEST_STEP, TANGENT = 1e-5, 1e-2
 # chosen: its longest step. With 0.2 in place of 0.14 the default case has 58 points, not 69, but as many iterations.
 LONGEST_STEP = 0.2
-# Entry of the settings of a response: why a first, quick curve was no result.
-SOLVED_AGAIN = "solved_again"
+# chosen: where its harmonics are too few, so many more follow, at most so often; a single case takes some three times
+# as long.
+MORE_HARMONICS, MOST_TRIES = 2, 2
+# Entries of the settings of a response: why quick curves were no result, in words, and the kinds of these reasons.
+SOLVED_AGAIN, AGAIN_BECAUSE = "solved_again", "solved_again_because"
 
 Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 
@@ -45,12 +50,13 @@ Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 @dataclass(frozen=True)
 class CurveNumbers:
     """The numbers of a curve in place of those of [solver]: harmonics instead of an accuracy, samples of a period,
-    tolerance, and largest step. Such a curve is checked at its peak only, and only the response output gets points at
-    its maxima."""
+    tolerance at the peaks and elsewhere, and largest step. Such a curve is checked at its peak only, and only the
+    response output gets points at its maxima."""
 
     harmonics: int
     samples: int
     tolerance: float
+    tolerance_elsewhere: float
     largest_step: float
 
 
@@ -84,15 +90,17 @@ def sample_curve(
 
     With an accuracy and the ``harmonics`` that a similar case required, the whole curve has these, and no more samples
     and digits than the accuracy needs. It is the result if its estimated errors at the peak are within the accuracy.
-    Where only the samples are too few, it follows once more with those of [solver]; else the curve is solved again as
-    that of a single case. Raises ConvergenceError.
+    Where its harmonics or samples are too few, it follows again with more of them (:func:`_more_numbers`); else the
+    curve is solved again as that of a single case. Raises ConvergenceError.
     """
-    accuracy, reasons = case.solver.accuracy, list[str]()
+    accuracy, reasons = case.solver.accuracy, list[tuple[Again, str]]()
 
     def reported(response: ForcedResponse) -> ForcedResponse:
         if not reasons:
             return response
-        return replace(response, settings={**response.settings, SOLVED_AGAIN: "; then ".join(reasons)})
+        words = "; then ".join(sentence for _, sentence in reasons)
+        because = ", ".join(kind for kind, _ in reasons)
+        return replace(response, settings={**response.settings, SOLVED_AGAIN: words, AGAIN_BECAUSE: because})
 
     if accuracy is not None and harmonics is not None:
         numbers: CurveNumbers | None = _quick_numbers(case, accuracy, harmonics)
@@ -100,15 +108,19 @@ def sample_curve(
             try:
                 quick = forced_curve(case, model, listener, threads, False, MOST_POINTS, numbers)
             except ConvergenceError as error:
-                reasons.append(str(error))
+                reasons.append((Again.EARLY, str(error)))
                 break
             reason = _why_not(quick, accuracy)
-            if not reason:
+            if reason is None:
                 return reported(quick)
             reasons.append(reason)
-            is_coarse = reason.startswith(FEW_SAMPLES) and numbers.samples < case.solver.samples
-            numbers = replace(numbers, samples=case.solver.samples) if is_coarse else None
+            numbers = _more_numbers(case, numbers, [kind for kind, _ in reasons])
     return reported(forced_curve(case, model, listener, threads, checks=False, most_points=MOST_POINTS))
+
+
+def again_because(settings: Mapping[str, str | float | int]) -> tuple[Again, ...]:
+    """The reasons why the curve with these settings was solved again."""
+    return tuple(Again(kind) for kind in str(settings.get(AGAIN_BECAUSE, "")).split(", ") if kind)
 
 
 def _quick_numbers(case: Case, accuracy: float, harmonics: int) -> CurveNumbers:
@@ -123,21 +135,38 @@ def _quick_numbers(case: Case, accuracy: float, harmonics: int) -> CurveNumbers:
         harmonics,
         min(settings.samples, max(least, settings.samples // 2)),
         max(settings.tolerance, DIGITS * accuracy),
+        max(settings.tolerance, DIGITS_ELSEWHERE * accuracy),
         max(settings.largest_step, min(accuracy**0.5, LONGEST_STEP)),
     )
 
 
-def _why_not(response: ForcedResponse, accuracy: float) -> str:
-    """The reason why a curve with few checks is no result, "" if it is one."""
+def _more_numbers(case: Case, numbers: CurveNumbers, reasons: Sequence[Again]) -> CurveNumbers | None:
+    """The numbers of the next quick curve after one that has the last of the ``reasons``; None for no other one.
+
+    ``MORE_HARMONICS`` more at most ``MOST_TRIES`` times, as far as the samples of [solver] resolve them, and all these
+    samples.
+    """
+    samples, reason = case.solver.samples, reasons[-1]
+    if reason is Again.SAMPLES and numbers.samples < samples:
+        return replace(numbers, samples=samples)
+    more = numbers.harmonics + MORE_HARMONICS
+    least = SAMPLES_PER_HARMONIC * more
+    if reason is Again.HARMONICS and reasons.count(reason) <= MOST_TRIES and least <= samples:
+        return replace(numbers, harmonics=more, samples=max(least, numbers.samples))
+    return None
+
+
+def _why_not(response: ForcedResponse, accuracy: float) -> tuple[Again, str] | None:
+    """The reason why a curve with few checks is no result, and its sentence; None if it is one."""
     if not response.converged:
-        return response.message
+        return Again.EARLY, response.message
     neglected = float(response.settings["error_by_neglected_harmonics"])
     sampled = float(response.settings["residual_with_doubled_samples"])
     if not neglected <= accuracy:
-        return f"{FEW_HARMONICS} {100.0 * neglected:.2g} %"
+        return Again.HARMONICS, Again.HARMONICS.sentence(neglected)
     if not sampled <= SAMPLED_SHARE * accuracy:
-        return f"{FEW_SAMPLES} {100.0 * sampled:.2g} %"
-    return ""
+        return Again.SAMPLES, Again.SAMPLES.sentence(sampled)
+    return None
 
 
 def forced_curve(
@@ -158,6 +187,9 @@ def forced_curve(
     if analysis.search:
         check_integration(model.superelement, model.pairs)
     newton = NewtonSettings(tolerance=numbers.tolerance if numbers else settings.tolerance)
+    few_digits = None
+    if numbers is not None:
+        few_digits = NewtonSettings(tolerance=numbers.tolerance_elsewhere, finest_step=FINEST_STEP, tangent=TANGENT)
     continuation = ContinuationSettings(
         largest_step=numbers.largest_step if numbers else settings.largest_step,
         smallest_step=settings.smallest_step,
@@ -180,7 +212,7 @@ def forced_curve(
         traction_starts=analysis.traction_starts,
         outputs=outputs[:1] if numbers else outputs,
         checks=checks,
-        few_digits=numbers is not None,
+        few_digits=few_digits,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )

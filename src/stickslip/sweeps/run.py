@@ -25,7 +25,7 @@ from stickslip.reporting.sweep_view import SweepView
 from stickslip.reporting.templates import StudyText
 from stickslip.results.record import run_provenance
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable
-from stickslip.study.analyses import SOLVED_AGAIN
+from stickslip.study.analyses import SOLVED_AGAIN, again_because
 from stickslip.sweeps.axes import Vary, swept_keys
 from stickslip.sweeps.folder import SweepFolder
 from stickslip.sweeps.plan import PlannedCase, plan_cases, plan_table
@@ -347,6 +347,7 @@ class SolvedCases:
             outcome.warnings,
             file,
             outcome.details.get(SOLVED_AGAIN, ""),
+            again_because(outcome.details),
         )
 
 

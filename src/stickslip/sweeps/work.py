@@ -27,7 +27,7 @@ from stickslip.model.model import connect, reduce_structure
 from stickslip.model.study_structure import ReducedStructure
 from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
-from stickslip.study.analyses import SOLVED_AGAIN, solve
+from stickslip.study.analyses import AGAIN_BECAUSE, SOLVED_AGAIN, solve
 from stickslip.study.record import compare_modes, study_record
 from stickslip.sweeps.task_reports import TaskProgress
 
@@ -150,5 +150,5 @@ def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     warnings = (*record.warnings, *response.warnings)
     details: dict[str, Any] = {HARMONICS: response.harmonics}
     if SOLVED_AGAIN in response.settings:
-        details[SOLVED_AGAIN] = response.settings[SOLVED_AGAIN]
+        details |= {name: response.settings[name] for name in (SOLVED_AGAIN, AGAIN_BECAUSE)}
     return CaseOutcome(response.converged, response.message, measures, curve, warnings, content, details)

@@ -13,8 +13,6 @@ from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import Linearised, Plane, Point, PointT
 from stickslip.solve.path.stepping import Effort
 
-# Relative accuracy of a tangent, which is only a prediction.
-TANGENT_TOLERANCE = 1e-4
 # Floor of the scale of the motion, whose square must not underflow.
 SMALLEST_MOTION = 1e-150
 # (point of a curve, parameters) -> the solution there where equations are linear, or a guess of it; None elsewhere.
@@ -45,7 +43,8 @@ class Corrector(Generic[PointT]):
 
     def direction_of(self, point: PointT, system: Linearised, along: float) -> Tangent:
         """Tangent at ``point`` from a Newton system; ``along``, its component across the plane, orients it."""
-        step = system.solve(np.zeros_like(point.unknowns), np.zeros_like(point.conditions), -along, TANGENT_TOLERANCE)
+        still, unchanged = np.zeros_like(point.unknowns), np.zeros_like(point.conditions)
+        step = system.solve(still, unchanged, -along, self._newton.settings.tangent)
         return Tangent(step.unknowns, self.problem.measured_change(point, step), step.parameters)
 
     def first_tangent(self, start: PointT, direction: float, first_step: float) -> Tangent | None:

@@ -14,6 +14,8 @@ from stickslip.solve.path.problem import Linearised, Plane, PointT, Problem, Ste
 # quadratic convergence uses no more digits.
 FAR_STEP_TOLERANCE = 1e-3
 FINEST_STEP_TOLERANCE = 1e-8
+# Relative accuracy of a tangent, which is only a prediction.
+TANGENT_TOLERANCE = 1e-4
 # chosen: relative size of a step above which the error is not round-off.
 ROUND_OFF_STEP = 1e-5
 # The error over that of some iterations before, above which a correction is stuck.
@@ -38,12 +40,18 @@ class NewtonSettings:
     fractions:
         fractions of a step, in the order of the attempts, until one lowers the error; otherwise the best of them
         counts.
+    finest_step:
+        finest relative accuracy of the linear solution of a step, which poor steps approach.
+    tangent:
+        relative accuracy of the tangents of a curve.
     """
 
     tolerance: float = 1e-9
     max_iterations: int = 12
     round_off_factor: float = 100.0
     fractions: tuple[float, ...] = (1.0, 0.5, 0.25, 0.125)
+    finest_step: float = FINEST_STEP_TOLERANCE
+    tangent: float = TANGENT_TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -80,7 +88,7 @@ class Newton(Generic[PointT]):
         wanted = FAR_STEP_TOLERANCE
         if error * error <= self.settings.tolerance:
             wanted = min(wanted, 0.1 * self.settings.tolerance / error)
-        return max(FINEST_STEP_TOLERANCE, sharper * wanted)
+        return max(self.settings.finest_step, sharper * wanted)
 
     def correct(self, start: PointT, plane: Plane | None = None, patience: int | None = None) -> Correction[PointT]:
         """Iterate from ``start`` until the error is below the tolerance or ``max_iterations`` are done.
