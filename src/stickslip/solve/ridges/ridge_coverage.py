@@ -32,6 +32,10 @@ JOINED_FREQUENCY, JOINED_AMPLITUDE, FREQUENCY_ERROR = 1e-4, 1e-2, 0.05
 # another number of harmonics the amplitude may be farther off.
 SAME_AMPLITUDE, SAME_MOTION, OTHER_HARMONICS = 1e-3, 0.1, 0.03
 
+# chosen: a peak between two points of a ridge belongs to it if its relative motion over its amplitude differs from that
+# between theirs by at most this fraction. Those of two ridges differ by their own size.
+SAME_SHAPE = 0.3
+
 Interval = tuple[float, float]
 
 
@@ -101,6 +105,25 @@ def passes_through(points: Sequence[RidgePoint], point: RidgePoint) -> bool:
         and abs(log_interpolated(places, amplitude, at)[0] - math.log(point.peak.amplitude))
         < max(JOINED_AMPLITUDE, error)
     )
+
+
+def place_on(points: Sequence[RidgePoint], point: RidgePoint) -> int | None:
+    """The place among the points of a ridge, in the order of the parameter, at which another point is its next one:
+    amplitude and motion are those between the points on both sides. None if it is on another ridge, or beyond."""
+    places = np.log([each.parameter for each in points])
+    at = math.log(point.parameter)
+    after = int(np.searchsorted(places, at))
+    if not places[0] < at < places[-1] or places[after] == at:
+        return None
+    low, high = points[after - 1], points[after]
+    height = log_interpolated(places, np.log([each.peak.amplitude for each in points]), np.array([at]))[0]
+    if abs(height - math.log(point.peak.amplitude)) > OTHER_HARMONICS:
+        return None
+    fraction = (at - places[after - 1]) / (places[after] - places[after - 1])
+    rows = 2 * max(each.harmonics for each in (low, high, point)) + 1
+    shapes = [with_rows(each.shape, rows) for each in (low, high, point)]
+    between = (1.0 - fraction) * shapes[0] + fraction * shapes[1]
+    return after if np.linalg.norm(between - shapes[2]) < SAME_SHAPE * np.linalg.norm(shapes[2]) else None
 
 
 def coverage(ridge: PeakRidge, reasons: Collection[str], named: Callable[[float], str]) -> tuple[bool, str]:

@@ -157,6 +157,8 @@ class RidgeMap:
         if self._is_known(start):
             return
         start = self._pace.resolved(start, stage)
+        if self._is_between(start):
+            return
         parts, ends = [], []
         for stop in self._bounds:
             part, end = follow(self._searched, start, stop, self._pace, self._needless, self._is_low)
@@ -183,6 +185,15 @@ class RidgeMap:
             for ridge in self.ridges
             for each in ridge.points
         )
+
+    def _is_between(self, start: RidgePoint) -> bool:
+        """Whether a point is between two points of a ridge, which then has it."""
+        for ridge in self.ridges:
+            place = cover.place_on(ridge.points, start)
+            if place is not None:
+                ridge.points.insert(place, start)
+                return True
+        return False
 
     def harmonics_near(self, value: float, least: int) -> int:
         """The most harmonics of the points of ridges nearest to a value, at ``least`` so many."""

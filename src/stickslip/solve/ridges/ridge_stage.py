@@ -28,6 +28,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Step
 from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.ridges.ridge_slope import rise_of_peak
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
@@ -75,6 +76,8 @@ class RidgeStage:
     """The equations at one value of the parameter, with the number of harmonics of its ``options``.
 
     ``last`` is the factor that searches at other values share; ``work`` counts iterations, which ``listen`` hears.
+    ``changed`` gives the input where the parameter is larger by the factor ``STEP`` of :mod:`ridge_slope` beyond 1; None
+    where that takes too long.
     """
 
     balances: Balances
@@ -83,6 +86,7 @@ class RidgeStage:
     last: LastFactor
     listen: Callable[[int, float], None]
     work: Work
+    changed: Callable[[], Problem] | None = None
     _stuck_peaks: dict[int, Peak | None] = field(default_factory=dict)
     _others: dict[int, RidgeStage] = field(default_factory=dict)
 
@@ -95,6 +99,7 @@ class RidgeStage:
         modal_damping_ratio: float | None,
         report: StageReport,
         earlier: RidgeStage | None = None,
+        changed: Callable[[], Problem] | None = None,
     ) -> RidgeStage:
         """The equations of a structure, joint and excitation, with the modes of an ``earlier`` stage where they are the
         same. Raises InputError."""
@@ -105,7 +110,7 @@ class RidgeStage:
         )  # fmt: skip
         require_no_gyroscopic(balances.superelement, "a ridge of peaks")
         last = LastFactor() if earlier is None else earlier.last
-        return cls(balances, output, options, last, report.iteration, Work())
+        return cls(balances, output, options, last, report.iteration, Work(), changed)
 
     def counted(self, work: Work) -> RidgeStage:
         """The same equations, whose work is counted."""
@@ -223,6 +228,11 @@ class RidgeStage:
         along = Tangent(step.unknowns, self.curve.measured_change(point, step), step.parameters)
         fine = self.balances.with_harmonics(more)
         return neglected(point.trial, balance, fine, along, self.last).error
+
+    def rise(self, peak: CurvePeak) -> float:
+        """Derivative of the logarithm of a peak of these equations by that of the parameter; not a number where it is
+        not known (:func:`stickslip.solve.ridges.ridge_slope.rise_of_peak`)."""
+        return math.nan if self.changed is None else rise_of_peak(peak, self.search, self.balances, self.changed())
 
     def refined(self, peak: CurvePeak, accuracy: float, most: int) -> tuple[CurvePeak, dict[int, float]]:
         """A peak with more harmonics, at ``most`` so many, until its estimated error is below the ``accuracy``.
