@@ -339,12 +339,17 @@ class PeakSearch:
 def _lag_weights(amplitude: FloatArray) -> FloatArray:
     """(2H, n) derivative of the phase lag by the modal amplitudes: the shift in time that fits a change best, as an
     angle of the first harmonic."""
+    turned = delayed(amplitude)
+    size = float((turned**2).sum())
+    return turned / size if size > 0.0 else turned
+
+
+def delayed(amplitude: FloatArray) -> FloatArray:
+    """(2H, n) derivative of coefficients (2H, n) by a shift in time, as an angle of the first harmonic."""
     order = np.repeat(np.arange(1, len(amplitude) // 2 + 1), 2)[:, None]
     turned = np.empty_like(amplitude)
     turned[0::2], turned[1::2] = -amplitude[1::2], amplitude[0::2]
-    turned *= order
-    size = float((turned**2).sum())
-    return turned / size if size > 0.0 else turned
+    return turned * order
 
 
 def _turned(before: Probe, after: Probe) -> float:

@@ -14,6 +14,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.highest_peak import log_interpolated
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.solve.harmonic.balance import relative_norm
+from stickslip.solve.ridges.ridge_line import RidgeLine
 from stickslip.solve.ridges.ridge_walk import RidgePoint
 
 # chosen: the minimum is enclosed below where the highest peak has risen to this multiple of it; the dips of friction
@@ -90,34 +91,30 @@ def is_same(point: RidgePoint, other: RidgePoint) -> bool:
     )
 
 
-def passes_through(points: Sequence[RidgePoint], point: RidgePoint) -> bool:
-    """Whether the ridge of these points, in the order of the parameter, continues through another point."""
-    places = np.log([each.parameter for each in points])
-    at = np.array([math.log(point.parameter)])
+def passes_through(points: Sequence[RidgePoint], line: RidgeLine, point: RidgePoint) -> bool:
+    """Whether the ridge of these points, in the order of the parameter, and their line continues through another one."""
+    places, at = line.places, np.array([math.log(point.parameter)])
     if not places[0] < at[0] < places[-1]:
         return False
-    amplitude = np.log([each.peak.amplitude for each in points])
     omega = np.log([each.peak.omega for each in points])
     error = point.estimates.get(point.harmonics, 0.0)
     return bool(
         abs(log_interpolated(places, omega, at)[0] - math.log(point.peak.omega))
         < max(JOINED_FREQUENCY, FREQUENCY_ERROR * error)
-        and abs(log_interpolated(places, amplitude, at)[0] - math.log(point.peak.amplitude))
+        and abs(line.at(at)[0] - math.log(point.peak.amplitude))
         < max(JOINED_AMPLITUDE, error)
     )
 
 
-def place_on(points: Sequence[RidgePoint], point: RidgePoint) -> int | None:
+def place_on(points: Sequence[RidgePoint], line: RidgeLine, point: RidgePoint) -> int | None:
     """The place among the points of a ridge, in the order of the parameter, at which another point is its next one:
     amplitude and motion are those between the points on both sides. None if it is on another ridge, or beyond."""
-    places = np.log([each.parameter for each in points])
-    at = math.log(point.parameter)
+    places, at = line.places, math.log(point.parameter)
     after = int(np.searchsorted(places, at))
     if not places[0] < at < places[-1] or places[after] == at:
         return None
     low, high = points[after - 1], points[after]
-    height = log_interpolated(places, np.log([each.peak.amplitude for each in points]), np.array([at]))[0]
-    if abs(height - math.log(point.peak.amplitude)) > OTHER_HARMONICS:
+    if abs(float(line.at(np.array([at]))[0]) - math.log(point.peak.amplitude)) > OTHER_HARMONICS:
         return None
     fraction = (at - places[after - 1]) / (places[after] - places[after - 1])
     rows = 2 * max(each.harmonics for each in (low, high, point)) + 1

@@ -13,12 +13,13 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.core.validation import FloatArray
 from stickslip.results.checked_peak import spread
-from stickslip.results.highest_peak import ERROR_OF_LEFT_OUT, left_out_errors, log_interpolated
+from stickslip.results.highest_peak import ERROR_OF_LEFT_OUT
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.path.problem import Plane
 from stickslip.solve.ridges import ridge_coverage as cover
+from stickslip.solve.ridges.ridge_line import RidgeLine
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import StageReport
@@ -42,6 +43,15 @@ class _Ridge:
 
     points: list[RidgePoint]
     ends: tuple[str, str]
+    _line: tuple[tuple[int, ...], RidgeLine] | None = None
+
+    @property
+    def line(self) -> RidgeLine:
+        """The line through the points."""
+        own = tuple(map(id, self.points))
+        if self._line is None or self._line[0] != own:
+            self._line = own, RidgeLine.of(self.points)
+        return self._line[1]
 
 
 class RidgeMap:
@@ -189,7 +199,7 @@ class RidgeMap:
     def _is_between(self, start: RidgePoint) -> bool:
         """Whether a point is between two points of a ridge, which then has it."""
         for ridge in self.ridges:
-            place = cover.place_on(ridge.points, start)
+            place = cover.place_on(ridge.points, ridge.line, start)
             if place is not None:
                 ridge.points.insert(place, start)
                 return True
@@ -221,8 +231,8 @@ class RidgeMap:
     def _inaccurate(self, ridge: _Ridge) -> Iterator[tuple[float, _Ridge, float, int]]:
         """Errors of points left out, with the middle and the number of the longer interval beside each of them."""
         points = ridge.points
-        places = np.log([each.parameter for each in points])
-        errors = left_out_errors(places, np.log([each.peak.amplitude for each in points]))
+        line = ridge.line
+        places, errors = line.places, line.left_out_errors()
         for i in np.flatnonzero(errors > ERROR_OF_LEFT_OUT * self._pace.interpolation_error).tolist():
             error = float(errors[i])
             if self._fraction_of_highest(points[i]) < NEAR_HIGHEST:
@@ -304,7 +314,7 @@ class RidgeMap:
 
     def _needless(self, point: RidgePoint) -> str:
         """Why a ridge need not be followed beyond a point, or "" """
-        if any(cover.passes_through(ridge.points, point) for ridge in self.ridges):
+        if any(cover.passes_through(ridge.points, ridge.line, point) for ridge in self.ridges):
             return JOINED
         if self._fraction_of_highest(point) >= LEAST_FRACTION:
             return ""
@@ -322,10 +332,8 @@ class RidgeMap:
         """Amplitude of the highest ridge at a value, 0 where there is none."""
         at, highest = math.log(value), 0.0
         for ridge in self.ridges:
-            places = np.log([each.parameter for each in ridge.points])
-            if places[0] <= at <= places[-1]:
-                heights = np.log([each.peak.amplitude for each in ridge.points])
-                highest = max(highest, math.exp(float(log_interpolated(places, heights, np.array([at]))[0])))
+            if ridge.points[0].parameter <= value <= ridge.points[-1].parameter:
+                highest = max(highest, math.exp(float(ridge.line.at(np.array([at]))[0])))
         return highest
 
     def result(self, name: str, unit: str, output_name: str) -> PeakRidge:
@@ -362,6 +370,7 @@ class RidgeMap:
             start=np.asarray(start),
             stop=np.asarray(stop),
             estimated_error=self._errors(),
+            slope=np.concatenate([ridge.line.all_slopes for ridge in self.ridges]),
             point_harmonics=np.array([each.harmonics for each in points]),
             unknown=np.array(self._unknown).reshape(-1, 2),
             ends=tuple(each.ends for each in self.ridges),
