@@ -56,19 +56,19 @@ def log_interpolated(
 ) -> FloatArray:
     """The logarithm of a curve (n,) over rising places (n,), at others between them (:func:`log_between`).
 
-    ``slopes`` (n,) are known ones. Where there is none, or it is not a number, the slope is that of the parabola through
-    three neighbours. Linear for two points without slopes, constant for one.
+    ``slopes`` (n,) are known ones. Where there is none, or it is not a number, the slope is that of the parabola
+    through three neighbours. Linear for two points without slopes, constant for one.
     """
     if places.size == 1:
         return np.full(at.size, curve[0])
     known = known_slopes(places, curve, slopes)
     left = np.clip(np.searchsorted(places, at, side="right") - 1, 0, places.size - 2)
-    ends = [(array[left], array[left + 1]) for array in (places, curve, known)]
-    return log_between(*ends, at)
+    ends, heights, rises = ((array[left], array[left + 1]) for array in (places, curve, known))
+    return log_between(ends, heights, rises, at)
 
 
 def known_slopes(places: FloatArray, curve: FloatArray, slopes: FloatArray | None) -> FloatArray:
-    """(n,) ``slopes`` of a curve, and those of parabolas through three neighbours where they are not a number; n > 1."""
+    """(n,) ``slopes`` of a curve, and those of parabolas through three neighbours where they are not a number."""
     of_neighbours = np.gradient(curve, places, edge_order=2 if places.size > 2 else 1)
     return np.asarray(of_neighbours if slopes is None else np.where(np.isnan(slopes), of_neighbours, slopes))
 

@@ -20,8 +20,8 @@ from stickslip.results.record import run_provenance
 from stickslip.solve.forced import DEFAULT_HARMONICS
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.ridges.ridge import ridge_between
-from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage
 from stickslip.solve.ridges.ridge_slope import STEP
+from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
 
 # Sections whose keys change neither the mesh nor its reduction.

@@ -44,6 +44,20 @@ def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, Fl
     return np.sqrt(np.maximum(squares, 0.0)), modes
 
 
+def changed_basis(
+    circular_frequency: FloatArray, modes: FloatArray, contact_modes: FloatArray, springs: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The same as :func:`modal_basis` for springs of the pairs that are larger by ``springs`` (m,) N/m than those of
+    known modes: frequencies (n,) rad/s, modes (n, n) and their relative displacements (m, n).
+
+    In the known modes the mass matrix is that of unity, so that the problem is a standard one, a fifth cheaper.
+    """
+    stiffness = contact_modes.T @ (springs[:, None] * contact_modes)
+    np.fill_diagonal(stiffness, stiffness.diagonal() + circular_frequency**2)
+    squares, shapes = scipy.linalg.eigh(stiffness, driver="evd", overwrite_a=True)
+    return np.sqrt(np.maximum(squares, 0.0)), modes @ shapes
+
+
 def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: float) -> FloatArray:
     """``2 ratio w`` (n,) for the stuck modes up to DAMPED_RANGE times the highest excitation, zero above.
 

@@ -19,8 +19,8 @@ from stickslip.core.validation import finite_array
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.ridges.ridge_map import RidgeMap
-from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage, StageMaker
 from stickslip.solve.ridges.ridge_slope import STEP
+from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage, StageMaker
 from stickslip.solve.setting_up import StageReport, checked_window
 
 

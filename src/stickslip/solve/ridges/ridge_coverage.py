@@ -101,8 +101,7 @@ def passes_through(points: Sequence[RidgePoint], line: RidgeLine, point: RidgePo
     return bool(
         abs(log_interpolated(places, omega, at)[0] - math.log(point.peak.omega))
         < max(JOINED_FREQUENCY, FREQUENCY_ERROR * error)
-        and abs(line.at(at)[0] - math.log(point.peak.amplitude))
-        < max(JOINED_AMPLITUDE, error)
+        and abs(line.at(at)[0] - math.log(point.peak.amplitude)) < max(JOINED_AMPLITUDE, error)
     )
 
 

@@ -17,7 +17,6 @@ from stickslip.results.highest_peak import ERROR_OF_LEFT_OUT
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
-from stickslip.solve.path.problem import Plane
 from stickslip.solve.ridges import ridge_coverage as cover
 from stickslip.solve.ridges.ridge_line import RidgeLine
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
@@ -30,6 +29,8 @@ LEAST_FRACTION = 0.5
 # chosen: an amplitude of a curve that is higher than all ridges by this fraction belongs to none of them; curves are
 # 0.1 % above their ridges at most.
 ABOVE_RIDGES = 0.01
+# chosen: distance in the logarithm of the parameter of a node of the excitation from a peak that it does not lower.
+NEARBY = 0.1
 JOINED = "another ridge continues it"
 # chosen: the lower end of the range moves by this factor until the minimum is enclosed.
 LOWER_BY = 2.0
@@ -151,13 +152,8 @@ class RidgeMap:
     def add_from(self, value: float, unknowns: FloatArray, omega: float) -> None:
         """Follow the peak near a solution in both directions; a warning where there is none."""
         stage = self._stage_at(value).with_harmonics(len(unknowns) // 2)
-        point = stage.curve.at(unknowns, omega)
-        correction = stage.solver.correct(point, Plane.fixed(unknowns, omega))
-        peak = (
-            "Newton's method did not converge"
-            if not correction.converged
-            else stage.search.from_point(correction.point)
-        )
+        point = stage.corrected(stage.curve.at(unknowns, omega))
+        peak = "Newton's method did not converge" if point is None else stage.search.from_point(point)
         if isinstance(peak, str):
             self.warnings.append(
                 f"A peak near {omega / (2.0 * math.pi):.2f} Hz at {self._named(value)} was not followed: {peak}."
@@ -233,6 +229,9 @@ class RidgeMap:
         points = ridge.points
         line = ridge.line
         places, errors = line.places, line.left_out_errors()
+        # Beside a node of the excitation the logarithm has no bound: there the error is one of the higher peaks nearby.
+        near = np.abs(places[:, None] - places) < NEARBY
+        errors *= np.exp(line.heights - np.where(near, line.heights, -np.inf).max(axis=1))
         for i in np.flatnonzero(errors > ERROR_OF_LEFT_OUT * self._pace.interpolation_error).tolist():
             error = float(errors[i])
             if self._fraction_of_highest(points[i]) < NEAR_HIGHEST:

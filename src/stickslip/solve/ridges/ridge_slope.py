@@ -29,12 +29,12 @@ MODES = 2.0
 
 def has_same_structure(first: Superelement, second: Superelement) -> bool:
     """Whether two structures have the same matrices, so that their motions have the same coordinates and modes."""
-    return first is second or all(
-        np.array_equal(*pair)
-        for pair in ((first.mass, second.mass), (first.stiffness, second.stiffness))
-    ) and all(
-        a is b or (a is not None and b is not None and np.array_equal(a, b))
-        for a, b in ((first.damping, second.damping), (first.gyroscopic, second.gyroscopic))
+    return first is second or (
+        all(np.array_equal(*pair) for pair in ((first.mass, second.mass), (first.stiffness, second.stiffness)))
+        and all(
+            a is b or (a is not None and b is not None and np.array_equal(a, b))
+            for a, b in ((first.damping, second.damping), (first.gyroscopic, second.gyroscopic))
+        )
     )
 
 

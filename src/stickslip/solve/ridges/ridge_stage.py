@@ -26,7 +26,7 @@ from stickslip.solve.harmonic.varying_harmonics import LADDER
 from stickslip.solve.path.arc_length import Tangent
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
-from stickslip.solve.path.problem import Step
+from stickslip.solve.path.problem import Plane, Step
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.ridges.ridge_slope import rise_of_peak
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
@@ -45,7 +45,9 @@ Problem = tuple[Superelement, ContactPairs, Excitation]
 class RidgeOptions:
     """Options that all values of the parameter share; see :func:`peak_ridge`.
 
-    Peaks are followed in ``frequency_hz``, over which whole curves are too, with steps of at most ``curve_step``.
+    Peaks are followed in ``frequency_hz``, over which whole curves are too, with steps of at most ``curve_step`` and the
+    tolerance ``curve_tolerance``, None for that of ``newton``. Peaks are searched from their points, with that of
+    ``newton``.
     """
 
     frequency_hz: tuple[float, float]
@@ -54,6 +56,7 @@ class RidgeOptions:
     update: Update = "tractrix"
     newton: NewtonSettings = field(default_factory=NewtonSettings)
     curve_step: float = ContinuationSettings.largest_step
+    curve_tolerance: float | None = None
 
 
 @dataclass(frozen=True)
@@ -143,13 +146,20 @@ class RidgeStage:
 
     @cached_property
     def solver(self) -> Newton[BalancePoint]:
-        """Newton's method for the frequency curve."""
+        """Newton's method for peaks of the frequency curve."""
+        return self._newton(self.options.newton)
 
+    def _newton(self, settings: NewtonSettings) -> Newton[BalancePoint]:
         def count(number: int, error: float) -> None:
             self.work.iterate()
             self.listen(number, error)
 
-        return Newton(self.curve, self.options.newton, count)
+        return Newton(self.curve, settings, count)
+
+    def corrected(self, point: BalancePoint) -> BalancePoint | None:
+        """A point of a whole curve with the tolerance of peaks, None if Newton's method does not converge."""
+        correction = self.solver.correct(point, Plane.fixed(point.unknowns, point.trial.omega))
+        return correction.point if correction.converged else None
 
     @cached_property
     def search(self) -> PeakSearch:
@@ -257,11 +267,13 @@ class RidgeStage:
         settings, known = ContinuationSettings(largest_step=self.options.curve_step), self.curve.stuck
         balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in window or self.window)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
+        newton = self.options.newton
+        solver = self._newton(replace(newton, tolerance=self.options.curve_tolerance or newton.tolerance))
 
         def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
-            return Branch(self.solver, point, end, settings, landmarks=resonances, known=known)
+            return Branch(solver, point, end, settings, landmarks=resonances, known=known)
 
-        point, _ = first_point(self.solver, self.curve, start, balances.with_harmonics, walk)
+        point, _ = first_point(solver, self.curve, start, balances.with_harmonics, walk)
         branch = walk(point, stop)
         branch.follow()
         return branch
