@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from stickslip.core.validation import FloatArray
 
 # A point left out has an interval of twice the length, whose interpolation has at least so many times the error (at a
-# corner of the ridge; eight times where it is smooth).
-ERROR_OF_LEFT_OUT = 2.0
+# corner of the ridge), or where it is smooth and its slopes are known.
+ERROR_OF_LEFT_OUT, ERROR_OF_SMOOTH = 2.0, 16.0
 
 
 @dataclass(frozen=True)

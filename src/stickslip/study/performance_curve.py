@@ -60,7 +60,7 @@ TOLERANCE = 1e-6
 # chosen: that of whole curves, whose peaks are then searched: their points have a third less iterations.
 CURVE_TOLERANCE = 1e-4
 # chosen: points that are found at all take five iterations at most; a search that needs more begins again closer.
-MOST_ITERATIONS = 8
+MOST_ITERATIONS = 6
 # chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
 # the line between the others more accurate.
 MOST_CURVES, REFINING = 8.0, 0.4

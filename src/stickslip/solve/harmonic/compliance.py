@@ -37,7 +37,13 @@ from stickslip.solve.harmonic.harmonic_modes import (
     SharedModes,
 )
 from stickslip.solve.harmonic.operator_products import at_unknowns, times
-from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest, restrained
+from stickslip.solve.harmonic.support import (
+    KnownFactors,
+    StaticFactor,
+    mean_factor,
+    require_support_at_rest,
+    restrained,
+)
 from stickslip.structure.superelement import Superelement
 
 Origin = tuple[Superelement, float, float | None]
@@ -291,6 +297,7 @@ def stuck_structure(
     highest_omega: float,
     modal_damping_ratio: float | None,
     known: StuckStructure | None = None,
+    factors: KnownFactors | None = None,
 ) -> StuckStructure:
     """Modes, damping and static response of the stuck structure.
 
@@ -298,7 +305,8 @@ def stuck_structure(
     ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
     A ``known`` structure, also for another highest excitation, gives its modes and static response if they are the
     same; where springs alone differ, its modes, or those of its reference, are the coordinates in which the others are
-    computed. Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
+    computed. ``factors`` exist already. Raises InputError for an operator of another size, for both kinds of damping at once, or a singular
+    structure.
     """
     n = superelement.size
     require_one_size(superelement, pairs)
@@ -317,7 +325,7 @@ def stuck_structure(
     if superelement.gyroscopic is not None:
         require_stable_without_contact(superelement)
     require_support_at_rest(superelement, pairs)
-    mean, restraint = mean_factor(superelement, pairs)
+    mean, restraint = mean_factor(superelement, pairs, factors)
     reference = None if known is None else known.reference or known
     if reference is not None and reference.has_matrices_of(superelement, pairs):
         springs = pairs.resting_stiffness() - reference.pairs.resting_stiffness()

@@ -92,7 +92,7 @@ def is_same(point: RidgePoint, other: RidgePoint) -> bool:
 
 
 def passes_through(points: Sequence[RidgePoint], line: RidgeLine, point: RidgePoint) -> bool:
-    """Whether the ridge of these points, in the order of the parameter, and their line continues through another one."""
+    """Whether the ridge of these points, in the order of the parameter, with their line, continues through another."""
     places, at = line.places, np.array([math.log(point.parameter)])
     if not places[0] < at[0] < places[-1]:
         return False

@@ -13,7 +13,7 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.core.validation import FloatArray
 from stickslip.results.checked_peak import spread
-from stickslip.results.highest_peak import ERROR_OF_LEFT_OUT
+from stickslip.results.highest_peak import ERROR_OF_LEFT_OUT, ERROR_OF_SMOOTH
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
@@ -231,6 +231,9 @@ class RidgeMap:
         places, errors = line.places, line.left_out_errors()
         # Beside a node of the excitation the logarithm has no bound: there the error is one of the higher peaks nearby.
         near = np.abs(places[:, None] - places) < NEARBY
+        # Where all pairs stick, nothing has a corner.
+        stuck = np.array([each.is_stuck for each in points])
+        errors[1:-1][stuck[:-2] & stuck[1:-1] & stuck[2:]] *= ERROR_OF_LEFT_OUT / ERROR_OF_SMOOTH
         errors *= np.exp(line.heights - np.where(near, line.heights, -np.inf).max(axis=1))
         for i in np.flatnonzero(errors > ERROR_OF_LEFT_OUT * self._pace.interpolation_error).tolist():
             error = float(errors[i])

@@ -45,9 +45,9 @@ Problem = tuple[Superelement, ContactPairs, Excitation]
 class RidgeOptions:
     """Options that all values of the parameter share; see :func:`peak_ridge`.
 
-    Peaks are followed in ``frequency_hz``, over which whole curves are too, with steps of at most ``curve_step`` and the
-    tolerance ``curve_tolerance``, None for that of ``newton``. Peaks are searched from their points, with that of
-    ``newton``.
+    Peaks are followed in ``frequency_hz``, over which whole curves are too, with steps of at most ``curve_step`` and
+    the tolerance ``curve_tolerance``, None for that of ``newton``. Peaks are searched from their points, with the
+    latter.
     """
 
     frequency_hz: tuple[float, float]
@@ -79,8 +79,8 @@ class RidgeStage:
     """The equations at one value of the parameter, with the number of harmonics of its ``options``.
 
     ``last`` is the factor that searches at other values share; ``work`` counts iterations, which ``listen`` hears.
-    ``changed`` gives the input where the parameter is larger by the factor ``STEP`` of :mod:`ridge_slope` beyond 1; None
-    where that takes too long.
+    ``changed`` gives the input for a parameter that is larger by ``STEP`` (:mod:`ridge_slope`), relative; None where
+    that takes too long.
     """
 
     balances: Balances

@@ -45,8 +45,8 @@ class RidgePoint:
     mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one.
     ``estimates`` are the relative errors by neglected harmonics by the number of harmonics, that of the point the
     largest one; empty where they are not estimated. ``motion`` are all unknowns (2H, n) without the mean, of mass norm
-    1, ``momentum`` is that times the mass matrix, and ``rise`` is the derivative of the logarithm of the amplitude by that of the parameter at fixed lag, not a
-    number where it is not known.
+    1, ``momentum`` is that times the mass matrix, and ``rise`` is the derivative of the logarithm of the amplitude by
+    that of the parameter at fixed lag, not a number where it is not known.
     """
 
     parameter: float
