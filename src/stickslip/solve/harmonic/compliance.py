@@ -305,8 +305,8 @@ def stuck_structure(
     ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
     A ``known`` structure, also for another highest excitation, gives its modes and static response if they are the
     same; where springs alone differ, its modes, or those of its reference, are the coordinates in which the others are
-    computed. ``factors`` exist already. Raises InputError for an operator of another size, for both kinds of damping at once, or a singular
-    structure.
+    computed. ``factors`` exist already. Raises InputError for an operator of another size, for both kinds of damping at
+    once, or a singular structure.
     """
     n = superelement.size
     require_one_size(superelement, pairs)
