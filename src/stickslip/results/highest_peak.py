@@ -11,12 +11,12 @@ from stickslip.core.validation import FloatArray
 
 # A point left out has an interval of twice the length, whose interpolation has at least so many times the error (at a
 # corner of the ridge), or where it is smooth and its slopes are known.
-ERROR_OF_LEFT_OUT, ERROR_OF_SMOOTH = 2.0, 16.0
+ERROR_OF_LEFT_OUT, ERROR_OF_SMOOTH = 2.0, 8.0
 
 # chosen: beyond this distance of a slope from that of the power law, in the logarithm over the interval, the square of
-# a curve is interpolated. A node at the distance of an interval has 0.4; its logarithm is then wrong by 0.1 %. Squares
+# a curve is interpolated. A node at the distance of three intervals has 0.05. Squares
 # of points with a ratio of more than exp(LARGEST_RISE) have no common scale.
-BENT, LARGEST_RISE = 0.1, 10.0
+BENT, LARGEST_RISE = 0.05, 10.0
 
 
 @dataclass(frozen=True)
