@@ -12,10 +12,11 @@ from stickslip.core.validation import FloatArray
 # A point left out has an interval of twice the length, whose interpolation has at least so many times the error (at a
 # corner of the ridge), or where it is smooth and its slopes are known.
 ERROR_OF_LEFT_OUT, ERROR_OF_SMOOTH = 2.0, 8.0
+MORE_THAN_TWO, POSITIONS = 3, 9  # chosen: positions of an interval at which two lines are compared
 
 # chosen: beyond this distance of a slope from that of the power law, in the logarithm over the interval, the square of
-# a curve is interpolated. A node at the distance of three intervals has 0.05. Squares
-# of points with a ratio of more than exp(LARGEST_RISE) have no common scale.
+# a curve is interpolated. A node at the distance of three intervals has 0.05. Squares of points with a ratio of more
+# than exp(LARGEST_RISE) have no common scale.
 BENT, LARGEST_RISE = 0.05, 10.0
 
 
@@ -122,6 +123,15 @@ def left_out_errors(places: FloatArray, curve: FloatArray, slopes: FloatArray | 
     return errors
 
 
+def slope_differences(places: FloatArray, curve: FloatArray, slopes: FloatArray | None) -> FloatArray:
+    """(n-1,) largest distance, between two points, of the line with known slopes from that with those of neighbours."""
+    if slopes is None or places.size < MORE_THAN_TWO:
+        return np.zeros(places.size - 1)
+    at = places[:-1] + np.linspace(0.0, 1.0, POSITIONS)[:, None] * np.diff(places)
+    lines = (log_interpolated(places, curve, at.ravel(), each) for each in (slopes, None))
+    return np.asarray(np.abs(next(lines) - next(lines)).reshape(at.shape).max(axis=0))
+
+
 def interpolation_errors(
     places: FloatArray, curve: FloatArray, at: FloatArray, slopes: FloatArray | None = None
 ) -> FloatArray:
@@ -130,7 +140,10 @@ def interpolation_errors(
     if places.size == 1:
         return np.zeros(at.size)
     left_out = left_out_errors(places, curve, slopes) / ERROR_OF_LEFT_OUT
-    errors = np.maximum(left_out[:-1], left_out[1:]) if places.size > 2 else np.abs(np.diff(curve))
+    differences = slope_differences(places, curve, slopes)
+    errors = (
+        np.maximum(np.maximum(left_out[:-1], left_out[1:]), differences) if places.size > 2 else np.abs(np.diff(curve))
+    )
     left = np.clip(np.searchsorted(places, at, side="right") - 1, 0, places.size - 2)
     fraction = np.clip((at - places[left]) / (places[left + 1] - places[left]), 0.0, 1.0)
     return np.asarray(4.0 * fraction * (1.0 - fraction) * errors[left])

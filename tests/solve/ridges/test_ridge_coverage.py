@@ -47,7 +47,7 @@ def test_a_ridge_passes_through_a_point_within_its_estimated_error() -> None:
         return SimpleNamespace(parameter=load, peak=peak, estimates={5: error}, harmonics=5)
 
     ridge = [point(load, 1.0, 100.0, 0.0) for load in LOADS]
-    line = RidgeLine(np.log(LOADS), np.zeros(4), np.full(4, np.nan))
+    line = RidgeLine(np.log(LOADS), np.zeros(4), np.full(4, np.nan), np.zeros(4, dtype=bool))
     assert passes_through(ridge, line, point(15.0, 1.03, 100.1, 0.04))  # type: ignore[arg-type]
     assert not passes_through(ridge, line, point(15.0, 1.03, 100.1, 0.001))  # type: ignore[arg-type]
     assert not passes_through(ridge, line, point(15.0, 1.03, 101.0, 0.04))  # type: ignore[arg-type]
@@ -62,7 +62,7 @@ def test_a_peak_between_two_points_of_a_ridge_is_its_next_one() -> None:
         )
 
     ridge = [point(load, 1.0, [1.0, 0.1 * place]) for place, load in enumerate(LOADS)]
-    line = RidgeLine(np.log(LOADS), np.zeros(4), np.zeros(4))
+    line = RidgeLine(np.log(LOADS), np.zeros(4), np.zeros(4), np.zeros(4, dtype=bool))
 
     def place(load: float, height: float, shape: list[float]) -> int | None:
         return place_on(ridge, line, point(load, height, shape))  # type: ignore[arg-type]

@@ -13,7 +13,6 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.core.validation import FloatArray
 from stickslip.results.checked_peak import spread
-from stickslip.results.highest_peak import ERROR_OF_LEFT_OUT, ERROR_OF_SMOOTH
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
@@ -29,8 +28,6 @@ LEAST_FRACTION = 0.5
 # chosen: an amplitude of a curve that is higher than all ridges by this fraction belongs to none of them; curves are
 # 0.1 % above their ridges at most.
 ABOVE_RIDGES = 0.01
-# chosen: distance in the logarithm of the parameter of a node of the excitation from a peak that it does not lower.
-NEARBY = 0.1
 JOINED = "another ridge continues it"
 # chosen: the lower end of the range moves by this factor until the minimum is enclosed.
 LOWER_BY = 2.0
@@ -225,23 +222,13 @@ class RidgeMap:
                 ridge.points.insert(place + 1, self._pace.resolved(found, search, near))
 
     def _inaccurate(self, ridge: _Ridge) -> Iterator[tuple[float, _Ridge, float, int]]:
-        """Errors of points left out, with the middle and the number of the longer interval beside each of them."""
-        points = ridge.points
-        line = ridge.line
-        places, errors = line.places, line.left_out_errors()
-        # Beside a node of the excitation the logarithm has no bound: there the error is one of the higher peaks nearby.
-        near = np.abs(places[:, None] - places) < NEARBY
-        # Where all pairs stick, nothing has a corner.
-        stuck = np.array([each.is_stuck for each in points])
-        errors[1:-1][stuck[:-2] & stuck[1:-1] & stuck[2:]] *= ERROR_OF_LEFT_OUT / ERROR_OF_SMOOTH
-        errors *= np.exp(line.heights - np.where(near, line.heights, -np.inf).max(axis=1))
-        for i in np.flatnonzero(errors > ERROR_OF_LEFT_OUT * self._pace.interpolation_error).tolist():
-            error = float(errors[i])
-            if self._fraction_of_highest(points[i]) < NEAR_HIGHEST:
-                continue
-            longer = i if places[i + 1] - places[i] > places[i] - places[i - 1] else i - 1
-            if places[longer + 1] - places[longer] > 2.0 * self._pace.smallest_step:
-                yield error, ridge, math.exp(0.5 * (places[longer] + places[longer + 1])), longer
+        """Estimated errors of intervals between points that matter, with the middle and the number of each."""
+        points, line = ridge.points, ridge.line
+        errors, lengths = line.interval_errors(), np.diff(line.places)
+        for i in np.flatnonzero(errors > self._pace.interpolation_error).tolist():
+            matters = max(self._fraction_of_highest(each) for each in points[i : i + 2]) >= NEAR_HIGHEST
+            if matters and lengths[i] > 2.0 * self._pace.smallest_step:
+                yield float(errors[i]), ridge, math.exp(0.5 * (line.places[i] + line.places[i + 1])), i
 
     def check_ends(self) -> None:
         """Compute a whole curve beyond each ridge that ends inside the range as the highest one. If it has larger

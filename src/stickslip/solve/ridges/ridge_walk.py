@@ -28,6 +28,8 @@ PREDICTED_FROM = 3
 NEAR_MODE = 0.003
 # chosen: above this fraction of the linear stuck peak few pairs slip, and the peak changes as that one does.
 LITTLE_SLIP = 0.8
+# chosen: a peak this close to the linear one is that one; a search has an error of 1e-4 at most.
+LINEAR = 1e-3
 # chosen: largest error of the extrapolated logarithm; only linear peaks, which are solutions for certain, reach it.
 LARGEST_CHANGE = 0.5
 # chosen: a step of so many smallest ones passes a node of the excitation.
@@ -82,6 +84,11 @@ class RidgePoint:
     def is_stuck(self) -> bool:
         """Whether no pair slips or separates."""
         return bool((self.trial.contact.state == ContactState.STUCK).all())
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether it is the linear peak of the stuck mode: pairs that slip a little beside it move it."""
+        return self.is_stuck and abs(self.peak.amplitude / self.stuck_amplitude - 1.0) < LINEAR
 
     @property
     def trial(self) -> Trial:
