@@ -29,6 +29,34 @@ def test_the_interpolation_is_that_of_logarithms() -> None:
     assert power.amplitude == pytest.approx(1e-5 / between, rel=1e-12)
 
 
+def test_known_slopes_make_the_line_between_distant_points_right() -> None:
+    """A valley of seven points over two decades: parabolas through neighbours miss it by several per cent."""
+    few, between = np.geomspace(1.0, 100.0, 7), np.geomspace(1.0, 100.0, 57)
+    slopes = 0.5 * (few / 10.0 - 10.0 / few) / (few / 10.0 + 10.0 / few)
+    errors = [
+        float(np.abs(ridge_of((few, valley(few)), **known).at(between).amplitude / valley(between) - 1.0).max())
+        for known in ({}, {"slope": slopes})
+    ]
+    assert errors[1] < 0.004
+    assert errors[0] > 4.0 * errors[1]
+
+
+def test_the_line_passes_a_node_between_two_points() -> None:
+    """The square of a resonance that the force hardly drives is a parabola; its logarithm has almost a pole."""
+    node, floor = 0.02, 0.001
+
+    def height(load: FloatArray) -> FloatArray:
+        return np.asarray(1e-5 * np.hypot(np.log(load) - node, floor))
+
+    loads = np.exp(np.array([-0.1, -0.05, 0.08, 0.15]))
+    place = np.log(loads) - node
+    ridge = ridge_of((loads, height(loads)), slope=place / (place**2 + floor**2))
+    between = np.exp(np.linspace(-0.05, 0.08, 14))
+    assert np.abs(ridge.at(between).amplitude - height(between)).max() < 0.02 * height(loads[2:3])[0]
+    assert ridge.optimum.parameter == pytest.approx(np.exp(node), rel=0.01)
+    assert ridge.optimum.amplitude < 0.1 * height(loads[1:2])[0]
+
+
 def test_beyond_the_range_nothing_is_known() -> None:
     top = FALLING.at([0.5, 1.0, 200.0])
     assert np.isnan(top.amplitude).tolist() == [True, False, True]

@@ -70,6 +70,9 @@ class PeakRidge(Labelled):
         the larger one of its neighbours on the ridge. None if nothing was estimated.
     point_harmonics:
         (n_points,) numbers of harmonics. None in files of versions before 1.1.
+    slope:
+        (n_points,) derivative of the logarithm of the amplitude by that of the parameter.
+        None in files of earlier versions.
     checked:
         the highest peaks at some values of the parameter by whole curves with more harmonics.
     unknown:
@@ -139,6 +142,10 @@ class PeakRidge(Labelled):
     )
     point_harmonics: NDArray[np.int64] | None = field(
         default=None, metadata=stored(WholeNumbers(_POINTS, "1", "number of harmonics", optional=True))
+    )
+    slope: FloatArray | None = field(
+        default=None,
+        metadata=stored(Numbers(_POINTS, "1", "slope of log amplitude by log parameter", optional=True)),
     )
     checked: tuple[CheckedPeak, ...] = field(
         default=(),
@@ -219,11 +226,15 @@ class PeakRidge(Labelled):
         inside = (values >= low * (1.0 - 1e-12)) & (values <= high * (1.0 + 1e-12))
         places = np.log(self.parameter[points])
         answer = []
-        for curve in (self.amplitude[points], self.frequency_hz[points]):
+        for curve, slopes in ((self.amplitude[points], self._slopes(points)), (self.frequency_hz[points], None)):
             value = np.full(values.size, np.nan)
-            value[inside] = np.exp(log_interpolated(places, np.log(curve), np.log(values[inside])))
+            value[inside] = np.exp(log_interpolated(places, np.log(curve), np.log(values[inside]), slopes))
             answer.append(value)
         return answer[0], answer[1]
+
+    def _slopes(self, points: NDArray[np.int64]) -> FloatArray | None:
+        """The slopes of some points, None if they are not known."""
+        return None if self.slope is None else self.slope[points]
 
     def error_at(self, parameter: ArrayLike) -> FloatArray:
         """Estimated relative error of :meth:`at` at values of the parameter (n,), NaN where no ridge is known.
@@ -248,7 +259,9 @@ class PeakRidge(Labelled):
         for ridge in np.unique(number[number >= 0]):
             here, points = number == ridge, self.of(int(ridge))
             curve = np.log(self.amplitude[points])
-            error[here] = highest_peak.interpolation_errors(np.log(self.parameter[points]), curve, places[here])
+            error[here] = highest_peak.interpolation_errors(
+                np.log(self.parameter[points]), curve, places[here], self._slopes(points)
+            )
         return error
 
     @property

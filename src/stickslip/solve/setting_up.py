@@ -33,7 +33,7 @@ from stickslip.solve.harmonic.linear import Limit, LinearLimit
 from stickslip.solve.harmonic.operator_products import Rows, as_rows, own_products, row_squares
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.soft_structure import SoftStructure, soft_static, soft_structure
-from stickslip.solve.harmonic.support import factor_without_friction, needs_friction
+from stickslip.solve.harmonic.support import KnownFactors, factor_without_friction, needs_friction
 from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
 from stickslip.solve.motion_in_time import MotionInTime
@@ -306,7 +306,8 @@ def prepare_balances(
     soft = None
     if static is not None:
         soft = soft_structure(superelement, pairs, force, highest_omega, modal_damping_ratio, static, without_friction)
-    stuck = soft or stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
+    factors = KnownFactors(None, without_friction)
+    stuck = soft or stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known, factors)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
 

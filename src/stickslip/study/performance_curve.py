@@ -47,7 +47,7 @@ PACE = Pace(
     largest_step=0.8,
     wanted_error=0.04,
     estimate_every=0.3,
-    interpolation_error=2e-3,
+    interpolation_error=1e-3,
 )
 # chosen: most harmonics of a point, in studies with an accuracy better than that of doubtful points (1 %). Others have
 # those of the peak of the study: with 5 instead of 3 the curve of the default study takes five times as long, and the
@@ -57,11 +57,13 @@ MOST_HARMONICS = 5
 # chosen: relative error of the balance. That of the amplitude is below 1e-5, and it takes a third less iterations than
 # the tolerance of [solver]; with 1e-5 more searches fail than that saves.
 TOLERANCE = 1e-6
+# chosen: that of whole curves, whose peaks are then searched: their points have a third less iterations.
+CURVE_TOLERANCE = 1e-4
 # chosen: points that are found at all take five iterations at most; a search that needs more begins again closer.
-MOST_ITERATIONS = 8
+MOST_ITERATIONS = 6
 # chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
 # the line between the others more accurate.
-MOST_CURVES, REFINING = 8.0, 0.4
+MOST_CURVES, REFINING = 8.0, 0.8
 # chosen: the same of the peaks that are followed from the whole curves at the minimum.
 CHECKING = 1.0
 # chosen: longest step of a whole curve, of which only the neighbourhood of its peaks is used, in studies with an
@@ -126,6 +128,7 @@ def performance_curve(
         options,
         frequency_hz=(window[0] / WIDER, window[1] * WIDER),
         newton=replace(options.newton, max_iterations=MOST_ITERATIONS),
+        curve_tolerance=CURVE_TOLERANCE,
         curve_step=max(options.curve_step, min((case.solver.accuracy or 0.0) ** 0.5, CURVE_STEP)),
     )
     stages = CaseStages(family, model, report, threads, options)

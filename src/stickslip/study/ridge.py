@@ -20,7 +20,8 @@ from stickslip.results.record import run_provenance
 from stickslip.solve.forced import DEFAULT_HARMONICS
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.ridges.ridge import ridge_between
-from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage
+from stickslip.solve.ridges.ridge_slope import STEP
+from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
 
 # Sections whose keys change neither the mesh nor its reduction.
@@ -84,6 +85,10 @@ def _number_or_text(limit: float | str) -> float | str:
         return limit
 
 
+def _problem(model: ReducedModel) -> Problem:
+    return model.superelement, model.pairs, model.excitation
+
+
 @dataclass(frozen=True)
 class CaseStages:
     """The equations of a family of cases at each value; ``model`` is that of the case of the family."""
@@ -99,9 +104,16 @@ class CaseStages:
         case = self.family.at(value)
         model = self.model_at(case)
         output = next(iter(model.outputs.values()))
-        problem = model.superelement, model.pairs, model.excitation
         ratio = case.damping.modal_damping_ratio
-        return RidgeStage.of(problem, output, self.options, ratio, self.report, earlier)
+        # A new structure, or a new state at rest, takes longer than a peak.
+        is_quick = not self.family.changes_structure and case.preload.method == "prescribed"
+
+        def changed() -> Problem:
+            return _problem(self.model_at(self.family.at(value * (1.0 + STEP))))
+
+        return RidgeStage.of(
+            _problem(model), output, self.options, ratio, self.report, earlier, changed if is_quick else None
+        )
 
     def model_at(self, case: Case) -> ReducedModel:
         """The model of a case of the family."""

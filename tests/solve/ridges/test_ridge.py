@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,10 @@ from helpers import Blade
 from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak, Probe
+from stickslip.solve.ridges.ridge_line import RidgeLine
+from stickslip.solve.ridges.ridge_slope import STEP
 from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage
+from stickslip.solve.ridges.ridge_walk import Pace, RidgePoint
 from stickslip.solve.setting_up import StageReport
 
 RATIO = 0.01
@@ -181,7 +186,7 @@ def test_a_ridge_passes_a_node_of_the_excitation() -> None:
     assert ridge.at(values).amplitude == pytest.approx(exact, rel=1e-3)
     # One ridge from end to end, also where a step arrives exactly at the node.
     assert ridge.ends[0] == ("", "")
-    assert float(ridge.amplitude.min()) < 0.01 * linear_peak(0.4, OMEGA[0])
+    assert float(ridge.highest().amplitude.min()) < 0.01 * linear_peak(0.4, OMEGA[0])
 
 
 def test_a_ridge_stays_with_its_mode_where_frequencies_cross() -> None:
@@ -249,3 +254,44 @@ def test_a_range_that_cannot_be_used_is_rejected(limits: tuple[float, ...]) -> N
 def test_an_output_of_another_size_is_rejected() -> None:
     with rejects(ss.InputError, "output"):
         ss.peak_ridge(lambda factor: two_resonances((factor, 0.0)), (1.0, 2.0), [1.0], frequency_hz=(8.0, 12.0))
+
+
+def blade_point(value: float, problem_at: Callable[[float], Problem]) -> RidgePoint:
+    """The peak of the blade at a value of a parameter, with its slope."""
+    options = RidgeOptions(Blade().window_hz, harmonics=3, samples=512)
+    changed = partial(problem_at, value * (1.0 + STEP))
+    stage = RidgeStage.of(problem_at(value), Blade().tip, options, None, StageReport(None), None, changed)
+    return Pace().resolved(RidgePoint.start(value, peak_of(stage), stage), stage)
+
+
+@pytest.mark.slow
+def test_the_slope_of_a_ridge_is_that_of_differences_of_peaks() -> None:
+    """Ten pairs that slip, with the normal load changed by 3 % to both sides."""
+    step = 0.03
+    points = [
+        blade_point(value, lambda load: blade_problem(1.0, load)) for value in (math.exp(-step), 1.0, math.exp(step))
+    ]
+    line = RidgeLine.of(points)
+    expected = (line.heights[2] - line.heights[0]) / (2.0 * step)
+    assert abs(expected) > 0.2
+    assert line.slopes[1] == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.slow
+def test_slopes_by_force_and_by_load_add_up_to_one() -> None:
+    """Twice the force and twice the loads give twice the motion."""
+    by_force = blade_point(1.0, lambda force: blade_problem(force, 1.0)).rise
+    by_load = blade_point(1.0, lambda load: blade_problem(1.0, load)).rise
+    assert 0.1 < by_force < 0.9
+    assert by_force + by_load == pytest.approx(1.0, abs=2e-3)
+
+
+def test_a_slope_is_not_known_where_the_structure_changes() -> None:
+    problem = two_resonances((1.0, 0.0))
+    heavier = ss.Superelement(1.1 * problem[0].mass, problem[0].stiffness, problem[0].damping)
+    options = RidgeOptions((5.0, 12.0), harmonics=1, samples=16)
+    stage = RidgeStage.of(
+        problem, np.array([1.0, 0.0]), options, None, StageReport(None), None, lambda: (heavier, *problem[1:])
+    )
+    assert math.isnan(stage.rise(peak_of(stage)))
+    assert stage_of(problem, np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16).changed is None

@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip.solve.ridges.ridge_coverage import is_enclosed_below, merged, middle_of_gap, passes_through
+from stickslip.solve.ridges.ridge_coverage import is_enclosed_below, merged, middle_of_gap, passes_through, place_on
+from stickslip.solve.ridges.ridge_line import RidgeLine
 
 LOADS = np.array([10.0, 20.0, 40.0, 80.0])
 
@@ -46,6 +47,28 @@ def test_a_ridge_passes_through_a_point_within_its_estimated_error() -> None:
         return SimpleNamespace(parameter=load, peak=peak, estimates={5: error}, harmonics=5)
 
     ridge = [point(load, 1.0, 100.0, 0.0) for load in LOADS]
-    assert passes_through(ridge, point(15.0, 1.03, 100.1, 0.04))  # type: ignore[arg-type]
-    assert not passes_through(ridge, point(15.0, 1.03, 100.1, 0.001))  # type: ignore[arg-type]
-    assert not passes_through(ridge, point(15.0, 1.03, 101.0, 0.04))  # type: ignore[arg-type]
+    line = RidgeLine(np.log(LOADS), np.zeros(4), np.full(4, np.nan), np.zeros(4, dtype=bool))
+    assert passes_through(ridge, line, point(15.0, 1.03, 100.1, 0.04))  # type: ignore[arg-type]
+    assert not passes_through(ridge, line, point(15.0, 1.03, 100.1, 0.001))  # type: ignore[arg-type]
+    assert not passes_through(ridge, line, point(15.0, 1.03, 101.0, 0.04))  # type: ignore[arg-type]
+
+
+def test_a_peak_between_two_points_of_a_ridge_is_its_next_one() -> None:
+    """Peaks with the amplitude of the line, some with the motion of the ridge, and one with that of another mode."""
+
+    def point(load: float, height: float, shape: list[float]) -> SimpleNamespace:
+        return SimpleNamespace(
+            parameter=load, peak=SimpleNamespace(amplitude=height), harmonics=1, shape=np.array([[0.0, 0.0], shape])
+        )
+
+    ridge = [point(load, 1.0, [1.0, 0.1 * place]) for place, load in enumerate(LOADS)]
+    line = RidgeLine(np.log(LOADS), np.zeros(4), np.zeros(4), np.zeros(4, dtype=bool))
+
+    def place(load: float, height: float, shape: list[float]) -> int | None:
+        return place_on(ridge, line, point(load, height, shape))  # type: ignore[arg-type]
+
+    assert place(28.0, 1.01, [1.0, 0.15]) == 2
+    assert place(28.0, 1.1, [1.0, 0.15]) is None
+    assert place(28.0, 1.01, [0.2, 1.0]) is None
+    assert place(5.0, 1.0, [1.0, 0.0]) is None
+    assert place(100.0, 1.0, [1.0, 0.3]) is None

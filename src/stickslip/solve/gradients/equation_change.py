@@ -10,7 +10,7 @@ multipliers z (``adjoint.py``). A prime is the derivative at fixed x and w: no t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.validation import FloatArray
 from stickslip.solve.gradients.adjoint import Adjoint, Motions
 from stickslip.solve.harmonic.balance import Trial
-from stickslip.solve.harmonic.damping import DAMPED_RANGE
+from stickslip.solve.harmonic.damping import DAMPED_RANGE, modal_damping_change
 from stickslip.solve.setting_up import Balances
 from stickslip.solve.solver_input import SolverInput
 
@@ -142,7 +142,9 @@ class ChangedEquation:
             springs = self._springs_in_modes(first.pairs, second.pairs, distance, len(motions.modes))
             forms["stiffness"] = forms.get("stiffness", 0.0) + springs
         if ratio and forms:
-            work += motions.modal_viscous_work(self._modal_damping_change(forms, ratio, len(motions.modes)))
+            omega, highest = self._balances.stuck.circular_frequency, self._balances.stuck.highest_omega
+            change = modal_damping_change(omega[: len(motions.modes)], ratio, highest, **forms)
+            work += motions.modal_viscous_work(change)
         assert first.modal_damping_ratio is not None
         assert second.modal_damping_ratio is not None
         more = (second.modal_damping_ratio - first.modal_damping_ratio) / distance
@@ -175,30 +177,3 @@ class ChangedEquation:
             rows = pairs.operator @ self._balances.stuck.modes[:, :count]
             forms.append(rows.T @ (pairs.resting_stiffness()[:, None] * rows))
         return np.asarray((forms[1] - forms[0]) / distance)
-
-    def _modal_damping_change(self, forms: Mapping[str, FloatArray], ratio: float, count: int) -> FloatArray:
-        """(count, count) derivative of the damping of modal ratios, in the stuck modes.
-
-        ``C = M phi diag(g) phi^T M`` with ``g_j = 2 ratio w_j`` up to the damped range, 0 above, follows the modes.
-        With ``K' = phi^T Kbar' phi`` and ``M' = phi^T M' phi`` its derivative is, entry by entry,
-
-            C'_ij = K'_ij (g_i - g_j) / (l_i - l_j) + M'_ij (g_j l_i - g_i l_j) / (l_i - l_j),   l = w^2.
-        """
-        stuck = self._balances.stuck
-        omega = stuck.circular_frequency[:count]
-        damped = omega <= DAMPED_RANGE * stuck.highest_omega
-        total = omega[:, None] + omega
-        inverse = np.divide(2.0 * ratio, total, out=np.zeros_like(total), where=total > 0.0)
-        by_stiffness, by_mass = inverse, inverse * np.outer(omega, omega)
-        damping, squares = 2.0 * ratio * omega * damped, omega**2
-        mixed = damped[:, None] != damped
-        gaps = np.where(mixed, squares[:, None] - squares, 1.0)
-        crossed = (damping * squares[:, None] - damping[:, None] * squares) / gaps
-        by_stiffness = np.where(mixed, (damping[:, None] - damping) / gaps, by_stiffness)
-        by_mass = np.where(mixed, crossed, by_mass)
-        neither = ~(damped[:, None] | damped)
-        change = np.zeros((count, count))
-        for name, factor in (("stiffness", by_stiffness), ("mass", by_mass)):
-            if name in forms:
-                change += np.where(neither, 0.0, factor) * forms[name]
-        return change

@@ -10,7 +10,7 @@ slider is at the mean displacement), so ``k`` contains only the normal springs t
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -21,6 +21,7 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.damping import (
+    changed_basis,
     damping_root,
     diagonal_modal_damping,
     modal_basis,
@@ -36,7 +37,13 @@ from stickslip.solve.harmonic.harmonic_modes import (
     SharedModes,
 )
 from stickslip.solve.harmonic.operator_products import Rows, as_rows, at_unknowns, times
-from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest, restrained
+from stickslip.solve.harmonic.support import (
+    KnownFactors,
+    StaticFactor,
+    mean_factor,
+    require_support_at_rest,
+    restrained,
+)
 from stickslip.structure.superelement import Superelement
 
 Origin = tuple[Superelement, float, float | None]
@@ -212,17 +219,23 @@ class StuckStructure:
     origin: (
         Origin  # superelement, highest circular frequency, and damping ratio of the modes, that it was computed from
     )
+    reference: StuckStructure | None = field(
+        default=None, kw_only=True
+    )  # another one, whose modes these were computed in
 
     def is_of(self, origin: Origin, pairs: ContactPairs) -> bool:
         """Whether the structure of other pairs has these modes: the same matrices, positions and springs at rest."""
         own = self.pairs
         return (
-            self.origin[0] is origin[0]
+            self.has_matrices_of(origin[0], pairs)
             and self.origin[2] == origin[2]
-            and np.array_equal(own.operator, pairs.operator)
             and np.array_equal(own.resting_stiffness(), pairs.resting_stiffness())
             and np.array_equal(restrained(own), restrained(pairs))
         )
+
+    def has_matrices_of(self, superelement: Superelement, pairs: ContactPairs) -> bool:
+        """Whether another structure has the same matrices and positions of pairs; springs may differ."""
+        return self.origin[0] is superelement and np.array_equal(self.pairs.operator, pairs.operator)
 
     @cached_property
     def damping(self) -> FloatArray:
@@ -287,13 +300,16 @@ def stuck_structure(
     highest_omega: float,
     modal_damping_ratio: float | None,
     known: StuckStructure | None = None,
+    factors: KnownFactors | None = None,
 ) -> StuckStructure:
     """Modes, damping and static response of the stuck structure.
 
     ``modal_damping_ratio`` gives the stuck modes one ratio (see :func:`stickslip.solve.harmonic.damping.modal_damping`;
     ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
     A ``known`` structure, also for another highest excitation, gives its modes and static response if they are the
-    same. Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
+    same; where springs alone differ, its modes, or those of its reference, are the coordinates in which the others are
+    computed. ``factors`` exist already. Raises InputError for an operator of another size, for both kinds of damping at
+    once, or a singular structure.
     """
     n = superelement.size
     require_one_size(superelement, pairs)
@@ -312,8 +328,16 @@ def stuck_structure(
     if superelement.gyroscopic is not None:
         require_stable_without_contact(superelement)
     require_support_at_rest(superelement, pairs)
-    mean, restraint = mean_factor(superelement, pairs)
-    frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
+    mean, restraint = mean_factor(superelement, pairs, factors)
+    reference = None if known is None else known.reference or known
+    if reference is not None and reference.has_matrices_of(superelement, pairs):
+        springs = pairs.resting_stiffness() - reference.pairs.resting_stiffness()
+        frequency, modes = changed_basis(
+            reference.circular_frequency, reference.modes, reference.contact_modes, springs
+        )
+    else:
+        reference = None
+        frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
     modal: FloatArray | None
     if modal_damping_ratio is not None:
         modal = modal_damping(frequency, modal_damping_ratio, highest_omega)
@@ -325,7 +349,7 @@ def stuck_structure(
             modal = modes.T @ superelement.damping @ modes
     if superelement.gyroscopic is not None:
         modal = (np.diag(modal) if modal.ndim == 1 else modal) + modes.T @ superelement.gyroscopic @ modes
-    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, highest_omega, origin)
+    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, highest_omega, origin, reference=reference)
 
 
 def require_stable_without_contact(superelement: Superelement) -> None:

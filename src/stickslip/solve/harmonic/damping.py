@@ -44,6 +44,20 @@ def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, Fl
     return np.sqrt(np.maximum(squares, 0.0)), modes
 
 
+def changed_basis(
+    circular_frequency: FloatArray, modes: FloatArray, contact_modes: FloatArray, springs: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The same as :func:`modal_basis` for springs of the pairs that are larger by ``springs`` (m,) N/m than those of
+    known modes: frequencies (n,) rad/s, modes (n, n) and their relative displacements (m, n).
+
+    In the known modes the mass matrix is that of unity, so that the problem is a standard one, a fifth cheaper.
+    """
+    stiffness = contact_modes.T @ (springs[:, None] * contact_modes)
+    np.fill_diagonal(stiffness, stiffness.diagonal() + circular_frequency**2)
+    squares, shapes = scipy.linalg.eigh(stiffness, driver="evd", overwrite_a=True)
+    return np.sqrt(np.maximum(squares, 0.0)), modes @ shapes
+
+
 def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: float) -> FloatArray:
     """``2 ratio w`` (n,) for the stuck modes up to DAMPED_RANGE times the highest excitation, zero above.
 
@@ -51,6 +65,39 @@ def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: f
     the joint that also works while it slips or is open, and that grows with the contact stiffness.
     """
     return np.where(circular_frequency <= DAMPED_RANGE * highest_omega, 2.0 * ratio * circular_frequency, 0.0)
+
+
+def modal_damping_change(
+    circular_frequency: FloatArray,
+    ratio: float,
+    highest_omega: float,
+    stiffness: FloatArray | None = None,
+    mass: FloatArray | None = None,
+) -> FloatArray:
+    """(n, n) derivative of the damping of modal ratios, in the stuck modes, from those of the matrices there (n, n).
+
+    ``C = M phi diag(g) phi^T M`` with ``g_j`` of :func:`modal_damping` follows the modes. With ``K' = phi^T Kbar' phi``
+    and ``M' = phi^T M' phi``, each zero where it is None, its derivative is, entry by entry,
+
+        C'_ij = K'_ij (g_i - g_j) / (l_i - l_j) + M'_ij (g_j l_i - g_i l_j) / (l_i - l_j),   l = w^2.
+    """
+    omega = circular_frequency
+    damped = omega <= DAMPED_RANGE * highest_omega
+    total = omega[:, None] + omega
+    inverse = np.divide(2.0 * ratio, total, out=np.zeros_like(total), where=total > 0.0)
+    by_stiffness, by_mass = inverse, inverse * np.outer(omega, omega)
+    damping, squares = modal_damping(omega, ratio, highest_omega), omega**2
+    mixed = damped[:, None] != damped
+    gaps = np.where(mixed, squares[:, None] - squares, 1.0)
+    crossed = (damping * squares[:, None] - damping[:, None] * squares) / gaps
+    by_stiffness = np.where(mixed, (damping[:, None] - damping) / gaps, by_stiffness)
+    by_mass = np.where(mixed, crossed, by_mass)
+    neither = ~(damped[:, None] | damped)
+    change = np.zeros_like(total)
+    for form, factor in ((stiffness, by_stiffness), (mass, by_mass)):
+        if form is not None:
+            change += np.where(neither, 0.0, factor) * form
+    return change
 
 
 def modal_damping_matrix(mass: FloatArray, modes: FloatArray, modal: FloatArray) -> FloatArray:

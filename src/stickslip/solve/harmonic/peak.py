@@ -25,6 +25,7 @@ from stickslip.core.fourier import synthesis_row
 from stickslip.core.validation import FloatArray
 from stickslip.results.periodic_amplitude import periodic_maximum
 from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.compliance import ExternalForce
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve, amplitude_row
 from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem
@@ -213,24 +214,54 @@ class PeakSearch:
     def _probe(self, point: BalancePoint, iterations: int) -> Probe:
         """Amplitude, slope and tangent at a point of the curve."""
         self.on_point()
-        balance, trial = self.balance, point.trial
-        by_omega = balance.amplitude_slope(trial)
-        lag = _lag_weights(trial.amplitude)
-        rows = [amplitude_row(balance, trial, lag, [by_omega])]
-        system = BorderedSystem(
-            NewtonSystem(balance, trial), [balance.residual_slope(by_omega)], rows, self.last_factor
-        )
+        trial = point.trial
+        system, _, by_omega = self._linearised(trial)
         tangent = system.solve(np.zeros_like(trial.residual), np.ones(1), self._tangent_tolerance)
         if not np.isfinite(tangent.parameters).all():
             return Probe(point, math.nan, math.nan, tangent, iterations)
-        change = balance.compliance.amplitude(trial.omega, None, tangent.detail)
+        change = self.balance.compliance.amplitude(trial.omega, None, tangent.detail)
         change += float(tangent.parameters[0]) * by_omega
+        amplitude, slope = self._amplitude_and_slope(trial, change, tangent.detail)
+        return Probe(point, amplitude, slope, tangent, iterations)
+
+    def rise(self, probe: Probe, force: FloatArray, contact_force: FloatArray) -> float:
+        """Rise of the logarithm of the amplitude with a change of the equations, per unit of the change, at fixed lag.
+
+        At fixed motion, the modal force (2H, n) grows by ``force``, the contact force (2H+1, m) by ``contact_force``.
+        At a peak the amplitude has no slope along the curve, so this is the rise of the peak (envelope theorem). Not a
+        number where the equations are singular.
+        """
+        balance, trial = self.balance, probe.point.trial
+        system, lag, by_omega = self._linearised(trial)
+        answer = balance.compliance.amplitude(trial.omega, ExternalForce(force), contact_force)
+        residual = -balance.compliance.relative(answer, contact_force)
+        turned = np.array([-float(np.vdot(lag, answer))])
+        step = system.solve(residual, turned, self._tangent_tolerance)
+        if not np.isfinite(step.parameters).all():
+            return math.nan
+        change = answer + balance.compliance.amplitude(trial.omega, None, step.detail)
+        change += float(step.parameters[0]) * by_omega
+        return self._amplitude_and_slope(trial, change, step.detail + contact_force)[1]
+
+    def _linearised(self, trial: Trial) -> tuple[BorderedSystem, FloatArray, FloatArray]:
+        """The equations with a prescribed change of the lag, the weights (2H, n) of the lag, and the derivative (2H, n)
+        of the modal amplitudes by the frequency."""
+        by_omega, lag = self.balance.amplitude_slope(trial), _lag_weights(trial.amplitude)
+        rows = [amplitude_row(self.balance, trial, lag, [by_omega])]
+        system = NewtonSystem(self.balance, trial)
+        return (
+            BorderedSystem(system, [self.balance.residual_slope(by_omega)], rows, self.last_factor),
+            lag,
+            by_omega,
+        )
+
+    def _amplitude_and_slope(self, trial: Trial, change: FloatArray, deviation: FloatArray) -> tuple[float, float]:
+        """The amplitude of the output, and the change of its logarithm with those of modal amplitudes and deviation."""
         signal = self._coefficients(trial, trial.amplitude, trial.deviation)
-        moved = self._coefficients(trial, change, tangent.detail)
+        moved = self._coefficients(trial, change, deviation)
         (amplitude,), (angle,) = periodic_maximum(signal[None])
-        at = synthesis_row(balance.harmonics, float(angle))
-        slope = float(at @ moved) / float(at @ signal) if amplitude > 0.0 else math.nan
-        return Probe(point, float(amplitude), slope, tangent, iterations)
+        at = synthesis_row(self.balance.harmonics, float(angle))
+        return float(amplitude), float(at @ moved) / float(at @ signal) if amplitude > 0.0 else math.nan
 
     def amplitude(self, trial: Trial) -> float:
         """0-to-peak amplitude of the output."""
@@ -308,12 +339,17 @@ class PeakSearch:
 def _lag_weights(amplitude: FloatArray) -> FloatArray:
     """(2H, n) derivative of the phase lag by the modal amplitudes: the shift in time that fits a change best, as an
     angle of the first harmonic."""
+    turned = delayed(amplitude)
+    size = float((turned**2).sum())
+    return turned / size if size > 0.0 else turned
+
+
+def delayed(amplitude: FloatArray) -> FloatArray:
+    """(2H, n) derivative of coefficients (2H, n) by a shift in time, as an angle of the first harmonic."""
     order = np.repeat(np.arange(1, len(amplitude) // 2 + 1), 2)[:, None]
     turned = np.empty_like(amplitude)
     turned[0::2], turned[1::2] = -amplitude[1::2], amplitude[0::2]
-    turned *= order
-    size = float((turned**2).sum())
-    return turned / size if size > 0.0 else turned
+    return turned * order
 
 
 def _turned(before: Probe, after: Probe) -> float:

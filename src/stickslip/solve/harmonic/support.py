@@ -111,9 +111,9 @@ class StaticFactor:
 @dataclass(frozen=True)
 class KnownFactors:
     """Factors of a structure that exist already: with all springs at rest, and with those of its pairs that no friction
-    carries (None: some body would move freely without friction)."""
+    carries (None: some body would move freely without friction). The first is None if it does not exist yet."""
 
-    stuck: StaticFactor
+    stuck: StaticFactor | None
     without_friction: StaticFactor | None
 
 
@@ -146,7 +146,7 @@ def mean_factor(
     restraint = MEAN_RESTRAINT if without_friction is None and restricted.any() else 0.0
     if without_friction is not None and (undetermined == pairs.frictional()).all():
         return without_friction, restraint
-    if known is not None and restraint == 0.0 and not undetermined.any():
+    if known is not None and known.stuck is not None and restraint == 0.0 and not undetermined.any():
         return known.stuck, restraint
     return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * restricted)), restraint
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +19,7 @@ from stickslip.core.validation import finite_array
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.ridges.ridge_map import RidgeMap
+from stickslip.solve.ridges.ridge_slope import STEP
 from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage, StageMaker
 from stickslip.solve.setting_up import StageReport, checked_window
 
@@ -81,7 +83,8 @@ def peak_ridge(
             raise InputError(
                 f"output must have shape ({problem[0].size},) with an entry that is not zero.", arguments=["output"]
             )
-        return RidgeStage.of(problem, row, options, modal_damping_ratio, report, earlier)
+        changed = partial(problem_at, value * (1.0 + STEP))
+        return RidgeStage.of(problem, row, options, modal_damping_ratio, report, earlier, changed)
 
     return reported(ridge_between(stage_at, bounds, report, threads, name, unit), raise_on_failure)
 

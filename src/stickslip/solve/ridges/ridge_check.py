@@ -78,7 +78,8 @@ def _peaks_of_curve(stage: RidgeStage, window: tuple[float, float]) -> list[Curv
     found = []
     for top in tops:
         if top.bracketed and top.amplitude >= NEAR_HIGHEST * tops[0].amplitude:
-            peak = stage.search.from_point(points[top.point])
+            point = stage.corrected(points[top.point])
+            peak = "Newton's method did not converge" if point is None else stage.search.from_point(point)
             if isinstance(peak, str):
                 return f"its peak at {top.frequency_hz:.2f} Hz was not found: {peak}."
             found.append(peak)

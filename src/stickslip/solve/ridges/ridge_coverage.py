@@ -14,6 +14,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.highest_peak import log_interpolated
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.solve.harmonic.balance import relative_norm
+from stickslip.solve.ridges.ridge_line import RidgeLine
 from stickslip.solve.ridges.ridge_walk import RidgePoint
 
 # chosen: the minimum is enclosed below where the highest peak has risen to this multiple of it; the dips of friction
@@ -31,6 +32,10 @@ JOINED_FREQUENCY, JOINED_AMPLITUDE, FREQUENCY_ERROR = 1e-4, 1e-2, 0.05
 # norm): a peak has an error of 1e-4 at most, and its motion turns by a few hundredths of a radian over this rise. With
 # another number of harmonics the amplitude may be farther off.
 SAME_AMPLITUDE, SAME_MOTION, OTHER_HARMONICS = 1e-3, 0.1, 0.03
+
+# chosen: a peak between two points of a ridge belongs to it if its relative motion over its amplitude differs from that
+# between theirs by at most this fraction. Those of two ridges differ by their own size.
+SAME_SHAPE = 0.3
 
 Interval = tuple[float, float]
 
@@ -86,21 +91,35 @@ def is_same(point: RidgePoint, other: RidgePoint) -> bool:
     )
 
 
-def passes_through(points: Sequence[RidgePoint], point: RidgePoint) -> bool:
-    """Whether the ridge of these points, in the order of the parameter, continues through another point."""
-    places = np.log([each.parameter for each in points])
-    at = np.array([math.log(point.parameter)])
+def passes_through(points: Sequence[RidgePoint], line: RidgeLine, point: RidgePoint) -> bool:
+    """Whether the ridge of these points, in the order of the parameter, with their line, continues through another."""
+    places, at = line.places, np.array([math.log(point.parameter)])
     if not places[0] < at[0] < places[-1]:
         return False
-    amplitude = np.log([each.peak.amplitude for each in points])
     omega = np.log([each.peak.omega for each in points])
     error = point.estimates.get(point.harmonics, 0.0)
     return bool(
         abs(log_interpolated(places, omega, at)[0] - math.log(point.peak.omega))
         < max(JOINED_FREQUENCY, FREQUENCY_ERROR * error)
-        and abs(log_interpolated(places, amplitude, at)[0] - math.log(point.peak.amplitude))
-        < max(JOINED_AMPLITUDE, error)
+        and abs(line.at(at)[0] - math.log(point.peak.amplitude)) < max(JOINED_AMPLITUDE, error)
     )
+
+
+def place_on(points: Sequence[RidgePoint], line: RidgeLine, point: RidgePoint) -> int | None:
+    """The place among the points of a ridge, in the order of the parameter, at which another point is its next one:
+    amplitude and motion are those between the points on both sides. None if it is on another ridge, or beyond."""
+    places, at = line.places, math.log(point.parameter)
+    after = int(np.searchsorted(places, at))
+    if not places[0] < at < places[-1] or places[after] == at:
+        return None
+    low, high = points[after - 1], points[after]
+    if abs(float(line.at(np.array([at]))[0]) - math.log(point.peak.amplitude)) > OTHER_HARMONICS:
+        return None
+    fraction = (at - places[after - 1]) / (places[after] - places[after - 1])
+    rows = 2 * max(each.harmonics for each in (low, high, point)) + 1
+    shapes = [with_rows(each.shape, rows) for each in (low, high, point)]
+    between = (1.0 - fraction) * shapes[0] + fraction * shapes[1]
+    return after if np.linalg.norm(between - shapes[2]) < SAME_SHAPE * np.linalg.norm(shapes[2]) else None
 
 
 def coverage(ridge: PeakRidge, reasons: Collection[str], named: Callable[[float], str]) -> tuple[bool, str]:

@@ -13,12 +13,11 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.core.validation import FloatArray
 from stickslip.results.checked_peak import spread
-from stickslip.results.highest_peak import ERROR_OF_LEFT_OUT, left_out_errors, log_interpolated
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
-from stickslip.solve.path.problem import Plane
 from stickslip.solve.ridges import ridge_coverage as cover
+from stickslip.solve.ridges.ridge_line import RidgeLine
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import StageReport
@@ -42,6 +41,15 @@ class _Ridge:
 
     points: list[RidgePoint]
     ends: tuple[str, str]
+    _line: tuple[tuple[int, ...], RidgeLine] | None = None
+
+    @property
+    def line(self) -> RidgeLine:
+        """The line through the points."""
+        own = tuple(map(id, self.points))
+        if self._line is None or self._line[0] != own:
+            self._line = own, RidgeLine.of(self.points)
+        return self._line[1]
 
 
 class RidgeMap:
@@ -141,13 +149,8 @@ class RidgeMap:
     def add_from(self, value: float, unknowns: FloatArray, omega: float) -> None:
         """Follow the peak near a solution in both directions; a warning where there is none."""
         stage = self._stage_at(value).with_harmonics(len(unknowns) // 2)
-        point = stage.curve.at(unknowns, omega)
-        correction = stage.solver.correct(point, Plane.fixed(unknowns, omega))
-        peak = (
-            "Newton's method did not converge"
-            if not correction.converged
-            else stage.search.from_point(correction.point)
-        )
+        point = stage.corrected(stage.curve.at(unknowns, omega))
+        peak = "Newton's method did not converge" if point is None else stage.search.from_point(point)
         if isinstance(peak, str):
             self.warnings.append(
                 f"A peak near {omega / (2.0 * math.pi):.2f} Hz at {self._named(value)} was not followed: {peak}."
@@ -157,6 +160,8 @@ class RidgeMap:
         if self._is_known(start):
             return
         start = self._pace.resolved(start, stage)
+        if self._is_between(start):
+            return
         parts, ends = [], []
         for stop in self._bounds:
             part, end = follow(self._searched, start, stop, self._pace, self._needless, self._is_low)
@@ -184,6 +189,15 @@ class RidgeMap:
             for each in ridge.points
         )
 
+    def _is_between(self, start: RidgePoint) -> bool:
+        """Whether a point is between two points of a ridge, which then has it."""
+        for ridge in self.ridges:
+            place = cover.place_on(ridge.points, ridge.line, start)
+            if place is not None:
+                ridge.points.insert(place, start)
+                return True
+        return False
+
     def harmonics_near(self, value: float, least: int) -> int:
         """The most harmonics of the points of ridges nearest to a value, at ``least`` so many."""
         near = (min(each.points, key=lambda p: abs(math.log(p.parameter / value))) for each in self.ridges)
@@ -208,17 +222,13 @@ class RidgeMap:
                 ridge.points.insert(place + 1, self._pace.resolved(found, search, near))
 
     def _inaccurate(self, ridge: _Ridge) -> Iterator[tuple[float, _Ridge, float, int]]:
-        """Errors of points left out, with the middle and the number of the longer interval beside each of them."""
-        points = ridge.points
-        places = np.log([each.parameter for each in points])
-        errors = left_out_errors(places, np.log([each.peak.amplitude for each in points]))
-        for i in np.flatnonzero(errors > ERROR_OF_LEFT_OUT * self._pace.interpolation_error).tolist():
-            error = float(errors[i])
-            if self._fraction_of_highest(points[i]) < NEAR_HIGHEST:
-                continue
-            longer = i if places[i + 1] - places[i] > places[i] - places[i - 1] else i - 1
-            if places[longer + 1] - places[longer] > 2.0 * self._pace.smallest_step:
-                yield error, ridge, math.exp(0.5 * (places[longer] + places[longer + 1])), longer
+        """Estimated errors of intervals between points that matter, with the middle and the number of each."""
+        points, line = ridge.points, ridge.line
+        errors, lengths = line.interval_errors(), np.diff(line.places)
+        for i in np.flatnonzero(errors > self._pace.interpolation_error).tolist():
+            matters = max(self._fraction_of_highest(each) for each in points[i : i + 2]) >= NEAR_HIGHEST
+            if matters and lengths[i] > 2.0 * self._pace.smallest_step:
+                yield float(errors[i]), ridge, math.exp(0.5 * (line.places[i] + line.places[i + 1])), i
 
     def check_ends(self) -> None:
         """Compute a whole curve beyond each ridge that ends inside the range as the highest one. If it has larger
@@ -293,7 +303,7 @@ class RidgeMap:
 
     def _needless(self, point: RidgePoint) -> str:
         """Why a ridge need not be followed beyond a point, or "" """
-        if any(cover.passes_through(ridge.points, point) for ridge in self.ridges):
+        if any(cover.passes_through(ridge.points, ridge.line, point) for ridge in self.ridges):
             return JOINED
         if self._fraction_of_highest(point) >= LEAST_FRACTION:
             return ""
@@ -311,10 +321,8 @@ class RidgeMap:
         """Amplitude of the highest ridge at a value, 0 where there is none."""
         at, highest = math.log(value), 0.0
         for ridge in self.ridges:
-            places = np.log([each.parameter for each in ridge.points])
-            if places[0] <= at <= places[-1]:
-                heights = np.log([each.peak.amplitude for each in ridge.points])
-                highest = max(highest, math.exp(float(log_interpolated(places, heights, np.array([at]))[0])))
+            if ridge.points[0].parameter <= value <= ridge.points[-1].parameter:
+                highest = max(highest, math.exp(float(ridge.line.at(np.array([at]))[0])))
         return highest
 
     def result(self, name: str, unit: str, output_name: str) -> PeakRidge:
@@ -351,6 +359,7 @@ class RidgeMap:
             start=np.asarray(start),
             stop=np.asarray(stop),
             estimated_error=self._errors(),
+            slope=np.concatenate([ridge.line.all_slopes for ridge in self.ridges]),
             point_harmonics=np.array([each.harmonics for each in points]),
             unknown=np.array(self._unknown).reshape(-1, 2),
             ends=tuple(each.ends for each in self.ridges),

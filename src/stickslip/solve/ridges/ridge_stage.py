@@ -26,8 +26,9 @@ from stickslip.solve.harmonic.varying_harmonics import LADDER
 from stickslip.solve.path.arc_length import Tangent
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
-from stickslip.solve.path.problem import Step
+from stickslip.solve.path.problem import Plane, Step
 from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.ridges.ridge_slope import rise_of_peak
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
@@ -44,7 +45,9 @@ Problem = tuple[Superelement, ContactPairs, Excitation]
 class RidgeOptions:
     """Options that all values of the parameter share; see :func:`peak_ridge`.
 
-    Peaks are followed in ``frequency_hz``, over which whole curves are too, with steps of at most ``curve_step``.
+    Peaks are followed in ``frequency_hz``, over which whole curves are too, with steps of at most ``curve_step`` and
+    the tolerance ``curve_tolerance``, None for that of ``newton``. Peaks are searched from their points, with the
+    latter.
     """
 
     frequency_hz: tuple[float, float]
@@ -53,6 +56,7 @@ class RidgeOptions:
     update: Update = "tractrix"
     newton: NewtonSettings = field(default_factory=NewtonSettings)
     curve_step: float = ContinuationSettings.largest_step
+    curve_tolerance: float | None = None
 
 
 @dataclass(frozen=True)
@@ -75,6 +79,8 @@ class RidgeStage:
     """The equations at one value of the parameter, with the number of harmonics of its ``options``.
 
     ``last`` is the factor that searches at other values share; ``work`` counts iterations, which ``listen`` hears.
+    ``changed`` gives the input for a parameter that is larger by ``STEP`` (:mod:`ridge_slope`), relative; None where
+    that takes too long.
     """
 
     balances: Balances
@@ -83,6 +89,7 @@ class RidgeStage:
     last: LastFactor
     listen: Callable[[int, float], None]
     work: Work
+    changed: Callable[[], Problem] | None = None
     _stuck_peaks: dict[int, Peak | None] = field(default_factory=dict)
     _others: dict[int, RidgeStage] = field(default_factory=dict)
 
@@ -95,6 +102,7 @@ class RidgeStage:
         modal_damping_ratio: float | None,
         report: StageReport,
         earlier: RidgeStage | None = None,
+        changed: Callable[[], Problem] | None = None,
     ) -> RidgeStage:
         """The equations of a structure, joint and excitation, with the modes of an ``earlier`` stage where they are the
         same. Raises InputError."""
@@ -105,7 +113,7 @@ class RidgeStage:
         )  # fmt: skip
         require_no_gyroscopic(balances.superelement, "a ridge of peaks")
         last = LastFactor() if earlier is None else earlier.last
-        return cls(balances, output, options, last, report.iteration, Work())
+        return cls(balances, output, options, last, report.iteration, Work(), changed)
 
     def counted(self, work: Work) -> RidgeStage:
         """The same equations, whose work is counted."""
@@ -138,13 +146,20 @@ class RidgeStage:
 
     @cached_property
     def solver(self) -> Newton[BalancePoint]:
-        """Newton's method for the frequency curve."""
+        """Newton's method for peaks of the frequency curve."""
+        return self._newton(self.options.newton)
 
+    def _newton(self, settings: NewtonSettings) -> Newton[BalancePoint]:
         def count(number: int, error: float) -> None:
             self.work.iterate()
             self.listen(number, error)
 
-        return Newton(self.curve, self.options.newton, count)
+        return Newton(self.curve, settings, count)
+
+    def corrected(self, point: BalancePoint) -> BalancePoint | None:
+        """A point of a whole curve with the tolerance of peaks, None if Newton's method does not converge."""
+        correction = self.solver.correct(point, Plane.fixed(point.unknowns, point.trial.omega))
+        return correction.point if correction.converged else None
 
     @cached_property
     def search(self) -> PeakSearch:
@@ -224,6 +239,11 @@ class RidgeStage:
         fine = self.balances.with_harmonics(more)
         return neglected(point.trial, balance, fine, along, self.last).error
 
+    def rise(self, peak: CurvePeak) -> float:
+        """Derivative of the logarithm of a peak of these equations by that of the parameter; not a number where it is
+        not known (:func:`stickslip.solve.ridges.ridge_slope.rise_of_peak`)."""
+        return math.nan if self.changed is None else rise_of_peak(peak, self.search, self.balances, self.changed())
+
     def refined(self, peak: CurvePeak, accuracy: float, most: int) -> tuple[CurvePeak, dict[int, float]]:
         """A peak with more harmonics, at ``most`` so many, until its estimated error is below the ``accuracy``.
 
@@ -247,11 +267,13 @@ class RidgeStage:
         settings, known = ContinuationSettings(largest_step=self.options.curve_step), self.curve.stuck
         balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in window or self.window)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
+        newton = self.options.newton
+        solver = self._newton(replace(newton, tolerance=self.options.curve_tolerance or newton.tolerance))
 
         def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
-            return Branch(self.solver, point, end, settings, landmarks=resonances, known=known)
+            return Branch(solver, point, end, settings, landmarks=resonances, known=known)
 
-        point, _ = first_point(self.solver, self.curve, start, balances.with_harmonics, walk)
+        point, _ = first_point(solver, self.curve, start, balances.with_harmonics, walk)
         branch = walk(point, stop)
         branch.follow()
         return branch

@@ -15,8 +15,9 @@ import numpy as np
 from stickslip.contact.law.law import ContactState
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
+from stickslip.results.highest_peak import log_between
 from stickslip.solve.harmonic.balance import Trial
-from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak
+from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak, delayed
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StuckMode, resized_step
 
 # chosen: the step grows or shrinks at most by these factors.
@@ -27,6 +28,8 @@ PREDICTED_FROM = 3
 NEAR_MODE = 0.003
 # chosen: above this fraction of the linear stuck peak few pairs slip, and the peak changes as that one does.
 LITTLE_SLIP = 0.8
+# chosen: a peak this close to the linear one is that one; a search has an error of 1e-4 at most.
+LINEAR = 1e-3
 # chosen: largest error of the extrapolated logarithm; only linear peaks, which are solutions for certain, reach it.
 LARGEST_CHANGE = 0.5
 # chosen: a step of so many smallest ones passes a node of the excitation.
@@ -43,13 +46,18 @@ class RidgePoint:
     ``mode`` is the stuck mode that was closest to the start of the ridge: the frequency of the peak follows that of the
     mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one.
     ``estimates`` are the relative errors by neglected harmonics by the number of harmonics, that of the point the
-    largest one; empty where they are not estimated.
+    largest one; empty where they are not estimated. ``motion`` are all unknowns (2H, n) without the mean, of mass norm
+    1, ``momentum`` is that times the mass matrix, and ``rise`` is the derivative of the logarithm of the amplitude by
+    that of the parameter at fixed lag, not a number where it is not known.
     """
 
     parameter: float
     peak: CurvePeak
     mode: StuckMode
     stuck_amplitude: float
+    motion: FloatArray
+    momentum: FloatArray
+    rise: float = math.nan
     estimates: Mapping[int, float] = field(default_factory=dict)
 
     @classmethod
@@ -62,7 +70,10 @@ class RidgePoint:
     def of_mode(cls, parameter: float, peak: CurvePeak, mode: StuckMode, stage: RidgeStage) -> RidgePoint:
         """A point of the ridge of a stuck mode."""
         stuck = stage.stuck_peak(mode.number)
-        return cls(parameter, peak, mode, math.nan if stuck is None else stuck.amplitude)
+        amplitude = peak.probe.point.trial.amplitude
+        motion = amplitude @ stage.balances.stuck.modes.T / np.linalg.norm(amplitude)
+        height = math.nan if stuck is None else stuck.amplitude
+        return cls(parameter, peak, mode, height, motion, motion @ mode.mass)
 
     @property
     def harmonics(self) -> int:
@@ -75,6 +86,11 @@ class RidgePoint:
         return bool((self.trial.contact.state == ContactState.STUCK).all())
 
     @property
+    def is_linear(self) -> bool:
+        """Whether it is the linear peak of the stuck mode: pairs that slip a little beside it move it."""
+        return self.is_stuck and abs(self.peak.amplitude / self.stuck_amplitude - 1.0) < LINEAR
+
+    @property
     def trial(self) -> Trial:
         """The solution at the last point of the search."""
         return self.peak.probe.point.trial
@@ -83,6 +99,19 @@ class RidgePoint:
     def shape(self) -> FloatArray:
         """(2H+1, m) relative displacements there over the amplitude of the output."""
         return np.asarray(self.trial.relative / self.peak.amplitude)
+
+    def lag_to(self, other: RidgePoint) -> float:
+        """The phase lag in rad by which the motion of another point is behind: the shift in time that fits the change
+        of the motion best (mass norm), a mean of those from both. Not a number in other coordinates."""
+        if not self.mode.is_comparable(other.mode):
+            return math.nan
+        rows = 2 * max(self.harmonics, other.harmonics)
+        change = with_rows(other.motion, rows) - with_rows(self.motion, rows)
+        lag = 0.0
+        for each in (self, other):
+            turned, weights = (with_rows(delayed(array), rows) for array in (each.motion, each.momentum))
+            lag += 0.5 * float(np.vdot(weights, change)) / float(np.vdot(weights, turned))
+        return lag
 
 
 @dataclass(frozen=True)
@@ -121,8 +150,13 @@ class Pace:
         return math.isinf(self.accuracy)
 
     def resolved(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint] = ()) -> RidgePoint:
-        """The point with an estimate of its error, and with as many harmonics as the accuracy requires; without both
-        if one of the ``earlier`` points is close and has a small error. Where all pairs stick nothing is neglected."""
+        """The point with its slope, an estimate of its error, and as many harmonics as the accuracy requires; without
+        the latter two if one of the ``earlier`` points is close and has a small error."""
+        accurate = self._accurate(point, stage, earlier)
+        return replace(accurate, rise=stage.with_harmonics(accurate.harmonics).rise(accurate.peak))
+
+    def _accurate(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint]) -> RidgePoint:
+        """The point with an estimate and enough harmonics. Where all pairs stick nothing is neglected."""
         if self.has_fixed_harmonics:
             return point
         if point.is_stuck:
@@ -149,12 +183,14 @@ class Pace:
         # Without the same coordinates a mode is known by its number, which may become that of another mode.
         stuck = stage.stuck_peak(mode.number) if mode.is_comparable(last.mode) else None
         weights = _weights([math.log(each.parameter) for each in near], math.log(value))
-        plain = _predicted(weights, [math.log(each.peak.amplitude) for each in near])
+        plain = _extrapolated(near, weights, value)
+        highest = max(each.peak.amplitude for each in near)
         if stuck is not None and abs(math.log(last.peak.omega / last.mode.omega)) < NEAR_MODE:
             linear = stage.linear_point(stuck.frequency_hz)
             if stage.is_solution(linear) and not isinstance(found := stage.search.from_point(linear), str):
                 after = RidgePoint.of_mode(value, found, mode, stage)
-                return after, abs(math.log(found.amplitude) - plain)
+                # Beside a node of the excitation the logarithm has no bound.
+                return after, abs(found.amplitude - math.exp(plain)) / max(found.amplitude, highest)
         height = plain
         slips_little = any(each.peak.amplitude > LITTLE_SLIP * each.stuck_amplitude for each in near)
         if stuck is not None and slips_little and not any(math.isnan(each.stuck_amplitude) for each in near):
@@ -196,6 +232,7 @@ def follow(
     """
     points, end = [start], math.log(stop)
     direction, step, leaps = math.copysign(1.0, end - math.log(start.parameter)), pace.first_step, 0
+    has_failed = False
     while len(points) < pace.most_points:
         here = math.log(points[-1].parameter)
         left = (end - here) * direction
@@ -213,7 +250,7 @@ def follow(
         if isinstance(after, str):
             if after == TOO_MUCH_WORK:
                 return points[1:], after
-            step = SHRINKAGE * length
+            step, has_failed = SHRINKAGE * length, True
             if step < (pace.first_step * SHRINKAGE if is_low(points[-1]) else pace.smallest_step):
                 # At a node of the excitation a stuck mode has no peak; beyond it the peak is there again.
                 if leaps or not points[-1].is_stuck:
@@ -230,9 +267,28 @@ def follow(
             return points[1:], reason
         # The error of a polynomial of n points grows with the n-th power of the step.
         factor = (pace.wanted_error / max(error, 1e-12)) ** (1.0 / min(len(points), PREDICTED_FROM))
-        longer = max(pace.smallest_step, length * min(GROWTH, max(SHRINKAGE, factor)))
+        # Twice the length that was right after a failure is the length that failed.
+        growth, has_failed = 1.0 if has_failed else GROWTH, False
+        longer = max(pace.smallest_step, length * min(growth, max(SHRINKAGE, factor)))
         step = min(pace.largest_step, longer)
     return points[1:], f"beyond {points[-1].parameter:.4g}, {pace.most_points} points were not enough"
+
+
+def _extrapolated(near: Sequence[RidgePoint], weights: FloatArray, value: float) -> float:
+    """The logarithm of the amplitude at a value: the polynomial through points near it, or between stuck points, where
+    slopes are exact, the one of both slopes, which passes a node of the excitation."""
+    before, last = near[-2:] if len(near) > 1 else (near[-1], near[-1])
+    if before is not last and before.is_stuck and last.is_stuck and not math.isnan(before.rise + last.rise):
+        places, heights, slopes = (
+            (np.array(first), np.array(second))
+            for first, second in (
+                (math.log(before.parameter), math.log(last.parameter)),
+                (math.log(before.peak.amplitude), math.log(last.peak.amplitude)),
+                (before.rise, last.rise),
+            )
+        )
+        return float(log_between(places, heights, slopes, np.array(math.log(value))))
+    return _predicted(weights, [math.log(each.peak.amplitude) for each in near])
 
 
 def _predicted(weights: FloatArray, values: list[float]) -> float:
