@@ -10,6 +10,7 @@ from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.solve.harmonic.damping import (
     DAMPED_RANGE,
+    changed_basis,
     damping_root,
     diagonal_modal_damping,
     modal_basis,
@@ -24,6 +25,19 @@ def test_modal_basis_normalises_by_mass(blade: Blade) -> None:
     frequency, modes = modal_basis(blade.superelement.mass, stiffness)
     assert np.allclose(modes.T @ blade.superelement.mass @ modes, np.eye(frequency.size), atol=1e-9)
     assert frequency[0] / (2 * np.pi) == pytest.approx(blade.stuck_hz, rel=1e-9)
+
+
+def test_modes_of_other_springs_follow_from_known_ones(blade: Blade) -> None:
+    """Springs from a tenth to ten times as stiff."""
+    mass, operator = blade.superelement.mass, blade.pairs.operator
+    frequency, modes = modal_basis(mass, stuck_stiffness_matrix(blade.superelement, blade.pairs))
+    change = np.linspace(-0.9, 9.0, len(operator)) * blade.pairs.resting_stiffness()
+    stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs) + operator.T @ (change[:, None] * operator)
+    expected, _ = modal_basis(mass, stiffness)
+    found, shapes = changed_basis(frequency, modes, operator @ modes, change)
+    np.testing.assert_allclose(found, expected, rtol=1e-7)
+    np.testing.assert_allclose(shapes.T @ mass @ shapes, np.eye(found.size), atol=1e-9)
+    np.testing.assert_allclose(shapes.T @ stiffness @ shapes, np.diag(found**2), atol=1e-9 * float(found[-1]) ** 2)
 
 
 def test_bench_damping_is_two_per_mille_on_the_stuck_modes(blade: Blade) -> None:
