@@ -73,6 +73,7 @@ class RidgeLine:
         if self.places.size < MORE_THAN_TWO:
             return np.zeros(self.places.size - 1)
         left_out = left_out_errors(self.places, self.heights, self.slopes) / ERROR_OF_LEFT_OUT
+        left_out[[0, -1]] = left_out[[1, -2]]  # nothing is known of an end
         known = ~np.isnan(self.slopes)
         smaller, larger = (each(left_out[:-1], left_out[1:]) for each in (np.minimum, np.maximum))
         errors = np.where(known[:-1] & known[1:], smaller, larger)

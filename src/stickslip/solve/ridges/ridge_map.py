@@ -205,13 +205,14 @@ class RidgeMap:
                 ridge.points.insert(place + 1, self._pace.resolved(found, search, near))
 
     def _inaccurate(self, ridge: Ridge) -> Iterator[tuple[float, Ridge, float, int]]:
-        """Estimated errors of intervals between points that matter, with the middle and the number of each."""
+        """Intervals between points that matter with an error above the accuracy: the error times the length, which
+        is the area between two lines, with the middle and the number of each."""
         points, line = ridge.points, ridge.line
         errors, lengths = line.interval_errors(), np.diff(line.places)
         for i in np.flatnonzero(errors > self._pace.interpolation_error).tolist():
             matters = max(self._fraction_of_highest(each) for each in points[i : i + 2]) >= NEAR_HIGHEST
             if matters and lengths[i] > 2.0 * self._pace.smallest_step:
-                yield float(errors[i]), ridge, math.exp(0.5 * (line.places[i] + line.places[i + 1])), i
+                yield float(errors[i] * lengths[i]), ridge, math.exp(0.5 * (line.places[i] + line.places[i + 1])), i
 
     def check_ends(self) -> None:
         """Compute a whole curve beyond each ridge that ends inside the range as the highest one. If it has larger
