@@ -84,3 +84,20 @@ class RidgeLine:
         near = np.abs(self.places[:, None] - self.places) < NEARBY
         lowered = self.heights - np.where(near, self.heights, -np.inf).max(axis=1)
         return np.asarray(errors * np.exp(np.maximum(lowered[:-1], lowered[1:])))
+
+
+@dataclass
+class Ridge:
+    """A ridge in the order of the parameter, and the reasons why it ends below and above."""
+
+    points: list[RidgePoint]
+    ends: tuple[str, str]
+    _line: tuple[tuple[int, ...], RidgeLine] | None = None
+
+    @property
+    def line(self) -> RidgeLine:
+        """The line through the points."""
+        own = tuple(map(id, self.points))
+        if self._line is None or self._line[0] != own:
+            self._line = own, RidgeLine.of(self.points)
+        return self._line[1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,7 +17,7 @@ from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.ridges import ridge_coverage as cover
-from stickslip.solve.ridges.ridge_line import RidgeLine
+from stickslip.solve.ridges.ridge_line import Ridge
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import StageReport
@@ -33,23 +33,6 @@ JOINED = "another ridge continues it"
 LOWER_BY = 2.0
 # chosen: a ridge is refined where it has more than this fraction of the highest one, on both sides of a switch.
 NEAR_HIGHEST = 0.95
-
-
-@dataclass
-class _Ridge:
-    """A ridge in the order of the parameter, and the reasons why it ends below and above."""
-
-    points: list[RidgePoint]
-    ends: tuple[str, str]
-    _line: tuple[tuple[int, ...], RidgeLine] | None = None
-
-    @property
-    def line(self) -> RidgeLine:
-        """The line through the points."""
-        own = tuple(map(id, self.points))
-        if self._line is None or self._line[0] != own:
-            self._line = own, RidgeLine.of(self.points)
-        return self._line[1]
 
 
 class RidgeMap:
@@ -84,7 +67,7 @@ class RidgeMap:
         self._free: dict[float, Peak] = {}
         self._unknown: list[tuple[float, float]] = []
         self.verified: set[float] = set()  # values at which a whole curve has its highest peak on a ridge
-        self.ridges: list[_Ridge] = []
+        self.ridges: list[Ridge] = []
         self.warnings: list[str] = []
         self.points_of_curves = 0
 
@@ -167,7 +150,7 @@ class RidgeMap:
             part, end = follow(self._searched, start, stop, self._pace, self._needless, self._is_low)
             parts.append(part)
             ends.append(end)
-        self.ridges.append(_Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
+        self.ridges.append(Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
 
     def _searched(self, value: float) -> RidgeStage | str:
         """The equations at a value, which is reported; or why there are no equations there."""
@@ -221,7 +204,7 @@ class RidgeMap:
                 assert not isinstance(search, str)  # it has a point
                 ridge.points.insert(place + 1, self._pace.resolved(found, search, near))
 
-    def _inaccurate(self, ridge: _Ridge) -> Iterator[tuple[float, _Ridge, float, int]]:
+    def _inaccurate(self, ridge: Ridge) -> Iterator[tuple[float, Ridge, float, int]]:
         """Intervals between points that matter with an error above the accuracy: the error times the length, which
         is the area between two lines, with the middle and the number of each."""
         points, line = ridge.points, ridge.line
