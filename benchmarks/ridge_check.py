@@ -30,7 +30,7 @@ from stickslip.study.performance_curve import with_performance_curve
 VALUES, DENSE, FINE = 13, 40, 0.03
 # Hz: from below the resonance without contact of the default study to above that with stuck contacts.
 AROUND_BOTH = (410.0, 530.0)
-STIFFNESS = {"contact_stiffness.normal_stiffness": 1.34e8, "contact_stiffness.tangential_stiffness": 1.11e8}
+STIFFNESS = {"normal_stiffness": 1.34e8, "tangential_stiffness": 1.11e8}
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,17 @@ class Row:
     curve: Callable[[float, float | None], tuple[float, int]]
 
 
-def case_row(key: str, limits: tuple[float, float], changes: dict[str, object]) -> Row:
-    """A row of the default two-blade study with other values of some keys."""
-    case = rough_casting().replace(changes)
+def with_stiffness() -> ss.Case:
+    """The rough casting with contact stiffnesses in place of its roughness."""
+    sections = rough_casting().as_mapping(only_explicit=True)
+    return ss.Case.from_mapping(
+        {**{k: v for k, v in sections.items() if k != "roughness"}, "contact_stiffness": STIFFNESS}
+    )
+
+
+def case_row(key: str, limits: tuple[float, float], case: ss.Case | None = None) -> Row:
+    """A row of a study of two blades, the rough casting by default."""
+    case = case or rough_casting()
 
     def curve(value: float, step: float | None) -> tuple[float, int]:
         changed = case.replace({key: value if key != "roughness.fractal_roughness" else f"{value!r} m"})
@@ -106,12 +114,12 @@ def highest(response: ss.ForcedResponse, output: np.ndarray) -> tuple[float, int
 
 
 ROWS = (
-    lambda: case_row("preload.centrifugal_force", (30.0, 30_000.0), {}),
-    lambda: case_row("excitation.amplitude", (30.0, 1000.0), {}),
-    lambda: case_row("friction.coefficient", (0.1, 0.8), {}),
-    lambda: case_row("contact_stiffness.tangential_stiffness", (3e7, 4e8), STIFFNESS),
-    lambda: case_row("roughness.fractal_dimension", (2.38, 2.7), {}),
-    lambda: case_row("roughness.fractal_roughness", (1e-9, 1e-7), {}),
+    lambda: case_row("preload.centrifugal_force", (30.0, 30_000.0)),
+    lambda: case_row("excitation.amplitude", (30.0, 1000.0)),
+    lambda: case_row("friction.coefficient", (0.1, 0.8)),
+    lambda: case_row("contact_stiffness.tangential_stiffness", (3e7, 4e8), with_stiffness()),
+    lambda: case_row("roughness.fractal_dimension", (2.38, 2.7)),
+    lambda: case_row("roughness.fractal_roughness", (1e-9, 1e-7)),
     lambda: blade_row("force", (0.2, 3.0)),
     lambda: blade_row("normal load", (0.35, 5.0)),
 )

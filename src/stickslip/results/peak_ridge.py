@@ -224,17 +224,13 @@ class PeakRidge(Labelled):
         points = self.of(ridge)
         low, high = self.parameter[points[[0, -1]]]
         inside = (values >= low * (1.0 - 1e-12)) & (values <= high * (1.0 + 1e-12))
-        places = np.log(self.parameter[points])
+        places, known = np.log(self.parameter[points]), None if self.slope is None else self.slope[points]
         answer = []
-        for curve, slopes in ((self.amplitude[points], self._slopes(points)), (self.frequency_hz[points], None)):
+        for curve, slopes in ((self.amplitude[points], known), (self.frequency_hz[points], None)):
             value = np.full(values.size, np.nan)
             value[inside] = np.exp(log_interpolated(places, np.log(curve), np.log(values[inside]), slopes))
             answer.append(value)
         return answer[0], answer[1]
-
-    def _slopes(self, points: NDArray[np.int64]) -> FloatArray | None:
-        """The slopes of some points, None if they are not known."""
-        return None if self.slope is None else self.slope[points]
 
     def error_at(self, parameter: ArrayLike) -> FloatArray:
         """Estimated relative error of :meth:`at` at values of the parameter (n,), NaN where no ridge is known.
@@ -258,10 +254,8 @@ class PeakRidge(Labelled):
         error = np.full(places.size, np.nan)
         for ridge in np.unique(number[number >= 0]):
             here, points = number == ridge, self.of(int(ridge))
-            curve = np.log(self.amplitude[points])
-            error[here] = highest_peak.interpolation_errors(
-                np.log(self.parameter[points]), curve, places[here], self._slopes(points)
-            )
+            curve, known = np.log(self.amplitude[points]), None if self.slope is None else self.slope[points]
+            error[here] = highest_peak.interpolation_errors(np.log(self.parameter[points]), curve, places[here], known)
         return error
 
     @property
