@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import stickslip as ss
 from lost_curves import Solutions, hertz_of, loses_once, pieces, point, resonance
 from sentences import printed_sentence
-from stickslip.solve import lent_harmonics
+from stickslip.solve import forced, lent_harmonics
 from stickslip.solve import pieces as pieces_module
 from stickslip.solve import settled_motion as settled_module
 from stickslip.solve.evidence import Evidence
@@ -18,6 +19,7 @@ from stickslip.solve.gradients.peak_gradients import peak_gradients
 from stickslip.solve.harmonic import checks
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.other_solutions import search_other_solutions
+from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.settled_motion import SettledMotion
 
 ROW = np.array([1.0, 0.0, 0.0])
@@ -131,6 +133,23 @@ def lost_at(hertz: float, confirms: float, **options: Any) -> ss.ForcedResponse:
     assert parted.converged
     assert parted.harmonics == 3
     return parted
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("hertz", "harmonics"), [(LOST, 1), (343.0, 3)])
+def test_the_peak_of_a_curve_of_few_digits_has_more_also_with_lent_harmonics(
+    hertz: float, harmonics: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    few = partial(forced.unreported_response, few_digits=NewtonSettings(1e-3))
+    exact = lost_at(hertz, 0.0)
+    monkeypatch.setattr(forced, "unreported_response", few)
+    rough = lost_at(hertz, 0.0)
+    peak = int(rough.amplitude(ROW).argmax())
+    assert rough.point_harmonics is not None
+    assert rough.point_harmonics[peak] == harmonics
+    assert rough.residual[peak] < 1e-7
+    assert rough.residual.max() > 1e-5
+    assert rough.amplitude(ROW)[peak] == pytest.approx(exact.amplitude(ROW).max(), rel=1e-3)
 
 
 @pytest.mark.long

@@ -8,12 +8,13 @@ motion with as many harmonics as give it, and returns to its own number at the f
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
@@ -102,8 +103,16 @@ class LentHarmonics:
         return any(harmonics_of(each.point) != self._own for each in points)
 
     def lifted(self, points: Sequence[BranchPoint[BalancePoint]]) -> list[BranchPoint[VaryingPoint]]:
-        """All points as those of one problem with different numbers of harmonics."""
-        return [BranchPoint(self._varying.lifted(each.point), each.iterations, each.tangent) for each in points]
+        """All points, and their tangents, as those of one problem with different numbers of harmonics."""
+        rows = self._varying.rows
+
+        def wide(tangent: Tangent | None) -> Tangent | None:
+            if tangent is None:
+                return None
+            unknowns, measured = with_rows(tangent.unknowns, rows), with_rows(tangent.measured, rows - 1)
+            return replace(tangent, unknowns=unknowns, measured=measured)
+
+        return [BranchPoint(self._varying.lifted(each.point), each.iterations, wide(each.tangent)) for each in points]
 
     def begin(self, point: BalancePoint) -> None:
         """A new point, beside a known one, has its harmonics."""
