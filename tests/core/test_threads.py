@@ -5,16 +5,17 @@ from __future__ import annotations
 import threading
 
 import pytest
+from threadpoolctl import threadpool_info
 
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.core.thread_variables import require_thread_variables
 from stickslip.core.threads import (
-    FEWEST_ROWS,
+    LARGE_MATRIX,
     MOST_BY_DEFAULT,
-    blas_threads,
     in_shares,
     in_threads,
+    library_threads,
     solver_threads,
     thread_count,
     usable_cores,
@@ -80,9 +81,36 @@ def test_an_error_in_a_thread_is_raised() -> None:
         in_threads(divide, [1, 2], 2)
 
 
-def test_small_products_get_one_thread() -> None:
-    assert blas_threads(FEWEST_ROWS - 1, 4) == 1
-    assert blas_threads(FEWEST_ROWS, 4) == 4
+def threads_of_library() -> set[int]:
+    """The numbers of threads of the linear algebra libraries."""
+    return {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}
+
+
+def test_a_solver_has_one_thread_in_the_library_but_for_a_large_matrix() -> None:
+    with solver_threads(2):
+        assert threads_of_library() == {1}
+        with library_threads(LARGE_MATRIX - 1):
+            assert threads_of_library() == {1}
+        with library_threads(LARGE_MATRIX):
+            assert threads_of_library() == {2}
+        assert threads_of_library() == {1}
+
+
+def test_a_solver_with_one_thread_has_one_for_a_large_matrix_too() -> None:
+    with solver_threads(1), library_threads(LARGE_MATRIX):
+        assert threads_of_library() == {1}
+
+
+def test_a_share_has_one_thread_in_the_library() -> None:
+    found: list[set[int]] = []
+
+    def look(start: int, stop: int) -> None:
+        with library_threads(LARGE_MATRIX):
+            found.append(threads_of_library())
+
+    with solver_threads(2):
+        in_shares(look, 4, 1)
+    assert found == 4 * [{1}]
 
 
 def shares_of(count: int, least: int) -> list[tuple[int, int, str]]:
@@ -94,7 +122,7 @@ def shares_of(count: int, least: int) -> list[tuple[int, int, str]]:
 
 @pytest.mark.parametrize("count", [20, 21, 29, 500])
 def test_shares_contain_every_item_once(count: int) -> None:
-    with solver_threads(3, 3):
+    with solver_threads(3):
         shares = shares_of(count, 10)
     assert [start for start, _, _ in shares] == list(range(0, count, 10))
     assert [stop for _, stop, _ in shares] == [*range(10, count, 10), count]
@@ -102,7 +130,7 @@ def test_shares_contain_every_item_once(count: int) -> None:
 
 @pytest.mark.parametrize(("count", "threads"), [(19, 2), (500, 1)])
 def test_what_is_not_worth_a_second_thread_is_one_call(count: int, threads: int) -> None:
-    with solver_threads(3, threads):
+    with solver_threads(threads):
         assert [share[:2] for share in shares_of(count, 10)] == [(0, count)]
 
 
@@ -116,7 +144,7 @@ def test_two_threads_work_at_the_same_time() -> None:
     def meet(start: int, stop: int) -> None:
         together.wait()
 
-    with solver_threads(3, 2):
+    with solver_threads(2):
         in_shares(meet, 2, 1)
 
 
@@ -126,7 +154,7 @@ def test_a_share_of_a_share_is_not_divided() -> None:
     def divide(start: int, stop: int) -> None:
         in_shares(lambda first, last: inner.append((first, last)), 100, 10)
 
-    with solver_threads(3, 2):
+    with solver_threads(2):
         in_shares(divide, 4, 1)
     assert inner == 4 * [(0, 100)]
 
@@ -136,7 +164,7 @@ def test_an_error_of_a_share_arrives() -> None:
         if start == 7:
             raise ZeroDivisionError
 
-    with solver_threads(3, 2), pytest.raises(ZeroDivisionError):
+    with solver_threads(2), pytest.raises(ZeroDivisionError):
         in_shares(fail, 20, 1)
 
 
@@ -147,7 +175,7 @@ def test_no_share_begins_after_an_error_has_arrived() -> None:
         begun.append(start)
         raise ZeroDivisionError
 
-    with solver_threads(3, 2):
+    with solver_threads(2):
         with pytest.raises(ZeroDivisionError):
             in_shares(fail, 1000, 1)
         count = len(begun)

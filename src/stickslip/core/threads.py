@@ -17,8 +17,8 @@ from stickslip.core.validation import require_allowed, whole_number
 # More threads than this gain nothing on problems of this package.
 MOST_BY_DEFAULT = 4
 
-# Rows of relative displacement below which a second thread of the linear algebra costs more than it gains.
-FEWEST_ROWS = 1000
+# Size of a matrix from which its factor or its eigenvalues take less time with several threads of the library.
+LARGE_MATRIX = 2000
 
 
 class Helpers(NamedTuple):
@@ -32,11 +32,14 @@ _HELPERS: ContextVar[Helpers | None] = ContextVar("helpers", default=None)
 
 
 @contextmanager
-def solver_threads(rows: int, threads: int) -> Iterator[None]:
-    """Inside, the linear algebra of a joint with ``rows`` rows uses :func:`blas_threads`, and loops that are divided by
-    :func:`in_shares` are shared among ``threads`` threads.
+def solver_threads(threads: int) -> Iterator[None]:
+    """Inside, loops that are divided by :func:`in_shares` are shared among ``threads`` threads.
+
+    The linear algebra library uses one, except in :func:`library_threads`. NumPy and SciPy have a library each, whose
+    further threads wait actively for a while after every product and take the cores from all others: on two cores
+    curves of 440 and 990 pairs took 2.3 and 1.5 times as long by the clock as with one thread in the library.
     """
-    with threadpool_limits(limits=blas_threads(rows, threads)):
+    with threadpool_limits(limits=1):
         if threads == 1:
             yield
             return
@@ -46,6 +49,19 @@ def solver_threads(rows: int, threads: int) -> Iterator[None]:
                 yield
             finally:
                 _HELPERS.reset(before)
+
+
+@contextmanager
+def library_threads(size: int) -> Iterator[None]:
+    """Inside, the linear algebra library uses all threads of :func:`solver_threads` for a matrix (size, size), if it is
+    large; for single operations that take a time of ``size**3``.
+    """
+    helpers = _HELPERS.get()
+    if helpers is None or size < LARGE_MATRIX:
+        yield
+        return
+    with threadpool_limits(limits=1 + helpers.threads):
+        yield
 
 
 def in_shares(work: Callable[[int, int], None], count: int, least: int) -> None:
@@ -92,11 +108,6 @@ def in_threads(work: Callable[[int], None], items: Iterable[int], threads: int) 
     with threadpool_limits(limits=1), ThreadPoolExecutor(threads, thread_name_prefix="stickslip") as pool:
         for _ in pool.map(work, items):
             pass
-
-
-def blas_threads(rows: int, threads: int) -> int:
-    """Threads of the linear algebra for products with ``rows`` rows: small ones are slower with several."""
-    return threads if rows >= FEWEST_ROWS else 1
 
 
 def thread_count(wanted: int | None = None) -> int:

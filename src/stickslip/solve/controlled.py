@@ -100,7 +100,7 @@ def controlled_response(
     newton = newton or NewtonSettings()
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
-    with solver_threads(3 * pairs.n_pairs, threads):
+    with solver_threads(threads):
         balances = prepare_balances(
             superelement, pairs, excitation, max(start_omega, stop_omega), harmonics, samples, modal_damping_ratio,
             update, report.stage,

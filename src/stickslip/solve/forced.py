@@ -179,7 +179,7 @@ def unreported_response(
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
     least = least_harmonics(harmonics, accuracy, samples, excitation)
-    with solver_threads(3 * pairs.n_pairs, threads), UnboundedMotions() as motions:
+    with solver_threads(threads), UnboundedMotions() as motions:
         highest = max(start_omega, stop_omega)
         given = CurveInput(
             pairs, excitation, highest, least, accuracy is not None, samples, modal_damping_ratio, update

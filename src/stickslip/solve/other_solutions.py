@@ -115,7 +115,7 @@ def search_other_solutions(
             arguments=["response"],
         )
     report, count, resolution = StageReport(progress), thread_count(threads), response.resolution_at()
-    with solver_threads(3 * pairs.n_pairs, count):
+    with solver_threads(count):
         balances = prepare_balances(
             superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), resolution.harmonics,
             resolution.samples, modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,

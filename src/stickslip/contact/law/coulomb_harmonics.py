@@ -209,15 +209,15 @@ def friction_tangent(
     ``limit_slopes`` (n_pairs, n) N/m: derivative of the limits by the closing at the samples.
     """
     samples = limits.shape[1]
-    paths, means = _sampled_paths(displacement, pairs, samples)
+    paths, means = _sampled_paths(displacement, pairs, samples, chosen)
     springs = pairs.tangential_springs[chosen]
     ratios, basis = _ratios(springs), _basis(displacement.shape[2] // 2, samples)
 
     def differentiate(start: int, stop: int) -> None:
-        part = chosen[start:stop]
+        own, part = slice(start, stop), chosen[start:stop]
         traction_tangents(
-            paths[part], means[part], limits[part], ratios[start:stop], springs[start:stop], limit_slopes[part],
-            update == "tractrix", pairs.released, basis, period_start[part], tangent[start:stop],
+            paths[own], means[own], limits[part], ratios[own], springs[own], limit_slopes[part],
+            update == "tractrix", pairs.released, basis, period_start[part], tangent[own],
         )  # fmt: skip
 
     in_shares(differentiate, len(chosen), PAIRS_OF_A_SHARE)
@@ -309,17 +309,30 @@ def _drifting(paths: FloatArray, means: FloatArray, pairs: FrictionConstants) ->
     """
     if pairs.released:
         return paths, np.zeros_like(means)
-    drift = (means / CYCLES)[:, :, None] * np.linspace(0.0, 1.0, paths.shape[2])
-    return paths + pairs.resting_traction[:, :, None] + drift, means
+    return paths + pairs.resting_traction[:, :, None] + means[:, :, None] * _drift(paths.shape[2]), means
 
 
-def _sampled_paths(displacement: FloatArray, pairs: FrictionConstants, samples: int) -> tuple[FloatArray, FloatArray]:
-    """Tangential paths and means (:func:`_drifting`)."""
+def _drift(count: int) -> FloatArray:
+    """(count,) part of the mean displacement that a path has added at each of its points."""
+    return np.linspace(0.0, 1.0 / CYCLES, count)
+
+
+def _sampled_paths(
+    displacement: FloatArray, pairs: FrictionConstants, samples: int, chosen: NDArray[np.int64] | slice = slice(None)
+) -> tuple[FloatArray, FloatArray]:
+    """Tangential paths and means of the pairs ``chosen`` as in :func:`_drifting`, in one product."""
     synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
-    elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2]
-    closed = np.vstack([synthesis[:, 1:], synthesis[:1, 1:]])
-    paths = (elastic[:, :, 1:].reshape(-1, elastic.shape[2] - 1) @ closed.T).reshape(-1, 2, samples + 1)
-    return _drifting(paths, elastic[:, :, 0], pairs)
+    elastic = pairs.tangential_springs[chosen, :, None] * displacement[chosen, :2]
+    means, terms = np.ascontiguousarray(elastic[:, :, 0]), [elastic[:, :, 1:]]
+    shapes = [np.vstack([synthesis[:, 1:], synthesis[:1, 1:]]).T]
+    if pairs.released:
+        means = np.zeros_like(means)
+    else:
+        terms += [pairs.resting_traction[chosen, :, None], means[:, :, None]]
+        shapes += [np.ones((1, samples + 1)), _drift(samples + 1)[None]]
+    coefficients = np.concatenate(terms, axis=2)
+    paths = coefficients.reshape(-1, coefficients.shape[2]) @ np.concatenate(shapes)
+    return paths.reshape(-1, 2, samples + 1), means
 
 
 def _limits(displacement: FloatArray, pairs: CoulombConstants, samples: int) -> FloatArray:

@@ -160,12 +160,11 @@ def unreported_mistuned(
     force = ring_force(force_on_sector(sector, wave, travels, harmonics).coefficients(1.0), travels, sector.sectors)
     report, settings, newton = StageReport(progress), continuation or ContinuationSettings(), newton or NewtonSettings()
     pattern = finite_array("deviations", deviations)
-    rows = sector.sectors * len(of_sectors[0].operator)
     limits = [
         TunedDisk.of(sector, blade, wave, row.reshape(2, -1), TAKES_PART * max(start, stop), contact)
         for contact in (of_sectors[0], None)
     ]
-    with solver_threads(rows, thread_count(threads)):
+    with solver_threads(thread_count(threads)):
         report.stage(f"waves of the disk, {sector.sectors} of {sector.size} unknowns", 0.0)
         ring = stuck_ring(sector, blade, pattern, of_sectors, row, max(start, stop), modal_damping_ratio)
         balance = ring.balance(force, samples)

@@ -237,7 +237,7 @@ def peak_gradients(
     report, cores = StageReport(progress), thread_count(threads)
     base = SolverInput(superelement, pairs, force, row, modal_damping_ratio)
     chosen = parameters_of(base) if parameters is None else tuple(parameters)
-    with solver_threads(3 * pairs.n_pairs, cores):
+    with solver_threads(cores):
         balances = prepare_balances(
             superelement, pairs, force, 2.0 * np.pi * float(response.frequency_hz.max()), resolution.harmonics, count,
             modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,

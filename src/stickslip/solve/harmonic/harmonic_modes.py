@@ -179,7 +179,8 @@ class SharedModes:
     ) -> None:
         self.modes, self.contact, self.mean_shapes = modes, np.ascontiguousarray(contact), mean_shapes
         self._circular_frequency, self._rest = circular_frequency, rest
-        self._near_contact = np.ascontiguousarray(contact[:, :near])
+        all_near = near == contact.shape[1]  # then one array, also of the difference of KeptModes
+        self._near_contact = self.contact if all_near else np.ascontiguousarray(contact[:, :near])
         self._many_rows = len(contact) >= LARGE_ROWS and rest is None
         self._cached: tuple[bytes, FloatArray, FloatArray] | None = None
         self._difference: tuple[MeanDifference | None] | None = None if difference is None else (difference,)
@@ -246,11 +247,10 @@ class SharedModes:
         """See :class:`HarmonicModes`."""
         near = self._near_contact
         # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
-        # an operator with all modes is that of an adjoint solution, whose factor has no residual to correct it
         has_far = self._rest is not None or near.shape[1] < self.contact.shape[1]
         if len(mean_contact) >= LARGE_ROWS and has_far:
             difference = self._mean_difference(mean_contact)
-            part = mean_contact if difference is None else difference.on(columns)
+            part = mean_contact if difference is None else difference
             return LargeNewtonCompliance(part, self._single_far, columns, near, near[columns], gain)
         key = columns.tobytes()
         if self._cached is None or self._cached[0] != key:

@@ -68,9 +68,9 @@ class KeptModes:
     same_mean: bool
 
     @cached_property
-    def softness(self) -> FloatArray:
-        """(m, p) contact rows over the squares of the frequencies: ``C softness^T`` is the static compliance."""
-        return self.contact / self.circular_frequency**2
+    def flexibility(self) -> FloatArray:
+        """(p,) 1/w^2 of the shapes: ``C diag(1/w^2) C^T`` is their static compliance."""
+        return np.asarray(1.0 / self.circular_frequency**2)
 
 
 class KeptCompliance(Compliance):
@@ -79,7 +79,7 @@ class KeptCompliance(Compliance):
     def __init__(self, stuck: StuckStructure, kept: KeptModes, harmonics: int) -> None:
         gain = DiagonalGain(kept.circular_frequency, kept.damping, harmonics, kept.circular_frequency.size)
         near = gain.near_modes
-        of_mean = MeanDifference(kept.softness, kept.contact) if kept.same_mean else None
+        of_mean = MeanDifference(kept.contact, kept.flexibility) if kept.same_mean else None
         modes = SharedModes(
             kept.shapes, kept.contact, kept.circular_frequency, near, lambda: stuck.mean_shapes, kept.rest, of_mean
         )
@@ -88,15 +88,14 @@ class KeptCompliance(Compliance):
 
     def relative(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
         """``B u`` (2H+1, m) of amplitudes (2H, p) and a deviation (2H+1, m)."""
-        kept = self._kept
-        answer = np.zeros((amplitude.shape[0] + 1, len(kept.contact)))
-        np.matmul(amplitude, kept.contact.T, out=answer[1:])
-        if not deviation.any():
-            return answer
-        if kept.same_mean:
+        kept, moves = self._kept, deviation.any()
+        of_shapes = np.vstack([np.zeros(amplitude.shape[1]), amplitude])
+        if moves and kept.same_mean:
+            of_shapes[0] = -kept.flexibility * (deviation[0] @ kept.contact)
+        answer = row_products(kept.contact, of_shapes)
+        if moves and kept.same_mean:
             answer -= self._of_rest(deviation)
-            answer[0] -= kept.softness @ (deviation[0] @ kept.contact)
-        else:
+        elif moves:
             answer[0] = -self.mean_relative(deviation[0])
             answer[1:] -= self._of_rest(deviation[1:])
         return answer
@@ -106,7 +105,8 @@ class KeptCompliance(Compliance):
         kept = self._kept
         if not kept.same_mean:
             return super().mean_relative(force)
-        return np.asarray(self._of_rest(force[None])[0] + kept.softness @ (force @ kept.contact))
+        of_shapes = kept.contact @ (kept.flexibility * (force @ kept.contact))
+        return np.asarray(self._of_rest(force[None])[0] + of_shapes)
 
     def displacement(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
         """All unknowns (..., 2H+1, n): the kept shapes, and the static response of all others."""
@@ -115,7 +115,7 @@ class KeptCompliance(Compliance):
         unknowns = at_unknowns(force, self._operator)
         static = kept.static.solve(unknowns.reshape(-1, unknowns.shape[-1]).T).T
         answer[..., 1:, :] -= static.reshape(unknowns.shape)
-        answer[..., 1:, :] += (force @ kept.softness) @ kept.shapes.T
+        answer[..., 1:, :] += (kept.flexibility * (force @ kept.contact)) @ kept.shapes.T
         return answer
 
     def newton(self, omega: float, columns: IndexArray) -> NewtonOperator:

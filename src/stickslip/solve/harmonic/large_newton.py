@@ -39,14 +39,10 @@ SHAPE_TOLERANCE = 1e-6  # chosen: far below DIFFERENCE_REST
 
 @dataclass(frozen=True)
 class MeanDifference:
-    """``L R^T`` in m/N, what the mean compliance has beside that of the far modes: (m, q) and (k, q)."""
+    """``S diag(w) S^T`` in m/N, what the mean compliance has beside that of the far modes: shapes S (m, q), w (q,)."""
 
-    left: FloatArray
-    right: FloatArray
-
-    def on(self, columns: IndexArray) -> MeanDifference:
-        """The difference for deviations on some rows."""
-        return MeanDifference(self.left, self.right[columns])
+    shapes: FloatArray
+    weights: FloatArray
 
 
 def mean_difference(mean: FloatArray, far: FloatArray) -> MeanDifference | None:
@@ -68,7 +64,7 @@ def mean_difference(mean: FloatArray, far: FloatArray) -> MeanDifference | None:
     values, shapes = largest(difference, count)
     if np.abs(values).min() > limit:
         return None
-    return MeanDifference(shapes * values, shapes)
+    return MeanDifference(shapes, values)
 
 
 @dataclass(frozen=True)
@@ -77,10 +73,10 @@ class LargeNewtonCompliance:
 
     The mean is the far compliance and a difference, or a matrix of its own. Both matrices are symmetric, so products
     with few of their rows or columns read these rows alone, and none of them is copied when pairs begin or cease to
-    move.
+    move. A difference whose shapes are the near modes is part of their products.
     """
 
-    mean_part: MeanDifference | FloatArray  # of the columns, or (m, m)
+    mean_part: MeanDifference | FloatArray  # the latter (m, m)
     far: SingleArray  # (m, m) static compliance of the far modes
     columns: IndexArray
     left: FloatArray  # (m, p) near modes at all rows
@@ -91,7 +87,8 @@ class LargeNewtonCompliance:
     def mean(self) -> FloatArray:
         """(k, m) A of the mean."""
         if isinstance(self.mean_part, MeanDifference):
-            return np.asarray(self.far[self.columns] + self.mean_part.right @ self.mean_part.left.T)
+            shapes, weights = self.mean_part.shapes, self.mean_part.weights
+            return np.asarray(self.far[self.columns] + (shapes[self.columns] * weights) @ shapes.T)
         return np.asarray(self.mean_part[self.columns])
 
     def apply(self, deviation: FloatArray) -> FloatArray:
@@ -104,7 +101,7 @@ class LargeNewtonCompliance:
             mean, others = deviation[:1], deviation[1:]
             parts = sums_of_rows(self.mean_part, mean, self.columns), sums_of_rows(self.far, others, self.columns)
             answer = np.vstack(parts)
-        return self._with_near(answer, deviation, slice(None))
+        return self._with_near(answer, deviation, None)
 
     def apply_at(self, deviation: FloatArray, rows: IndexArray) -> FloatArray:
         """A @ deviation at some rows: (2H+1, r) from (2H+1, k)."""
@@ -113,9 +110,10 @@ class LargeNewtonCompliance:
     def apply_transposed(self, weights: FloatArray) -> FloatArray:
         """A^T @ weights: (2H+1, k) from (2H+1, m); that of complex amplitudes is the adjoint."""
         answer = self._of_matrices(weights, self.columns)
-        if isinstance(self.mean_part, MeanDifference):
-            answer[0] += self.mean_part.right @ (weights[0] @ self.mean_part.left)
-        answer[1:] += times_gain(adjoint_gain(self.gain), weights[1:] @ self.left) @ self.right.T
+        amplitude = self._amplitude(weights @ self.left, adjoint_gain(self.gain))
+        answer += row_products(self.left, amplitude, self.columns)
+        if isinstance(other := self._other_difference, MeanDifference):
+            answer[0] += other.shapes[self.columns] @ (other.weights * (weights[0] @ other.shapes))
         return answer
 
     def block(self, order: int, rows: IndexArray) -> ComplexArray:
@@ -126,7 +124,7 @@ class LargeNewtonCompliance:
         """A @ deviation at some rows, or at all."""
         wide = np.zeros((len(deviation), len(self.far)))
         wide[:, self.columns] = deviation
-        return self._with_near(self._of_matrices(wide, rows), deviation, slice(None) if rows is None else rows)
+        return self._with_near(self._of_matrices(wide, rows), deviation, rows)
 
     def _of_matrices(self, force: FloatArray, rows: IndexArray | None) -> FloatArray:
         """(2H+1, r) displacements of both matrices under forces (2H+1, m)."""
@@ -134,10 +132,25 @@ class LargeNewtonCompliance:
             return row_products(self.far, force, rows)
         return np.vstack([row_products(self.mean_part, force[:1], rows), row_products(self.far, force[1:], rows)])
 
-    def _with_near(self, answer: FloatArray, deviation: FloatArray, rows: IndexArray | slice) -> FloatArray:
-        """An answer at some rows with the near modes, and with the difference of the mean."""
-        # of all rows, then the chosen ones: a copy of the shapes at these takes longer than the product
-        if isinstance(self.mean_part, MeanDifference):
-            answer[0] += (self.mean_part.left @ (deviation[0] @ self.mean_part.right))[rows]
-        answer[1:] += (times_gain(self.gain, deviation[1:] @ self.right) @ self.left.T)[:, rows]
+    @property
+    def _other_difference(self) -> MeanDifference | None:
+        """The difference of the mean in other shapes than the near modes; None without one."""
+        part = self.mean_part
+        return part if isinstance(part, MeanDifference) and part.shapes is not self.left else None
+
+    def _amplitude(self, force: FloatArray, gain: ComplexArray) -> FloatArray:
+        """(2H+1, p) amplitudes of the near modes under forces on them; their mean is that of the difference."""
+        answer = np.zeros_like(force)
+        if isinstance(self.mean_part, MeanDifference) and self.mean_part.shapes is self.left:
+            answer[0] = self.mean_part.weights * force[0]
+        answer[1:] = times_gain(gain, force[1:])
+        return answer
+
+    def _with_near(self, answer: FloatArray, deviation: FloatArray, rows: IndexArray | None) -> FloatArray:
+        """An answer at some rows, None for all, with the near modes, and with the difference of the mean."""
+        answer += row_products(self.left, self._amplitude(deviation @ self.right, self.gain), rows)
+        if isinstance(other := self._other_difference, MeanDifference):
+            # of all rows, then the chosen ones: a copy of the shapes at these takes longer than the product
+            mean = other.shapes @ (other.weights * (deviation[0] @ other.shapes[self.columns]))
+            answer[0] += mean if rows is None else mean[rows]
         return answer

@@ -108,7 +108,13 @@ class LowRankInverse:
     def _amplitudes(self, change: FloatArray) -> FloatArray:
         """``G L^T`` of columns (2H+1, k, j): (c_0 + 2 H c, j)."""
         compliance, count = self._compliance, change.shape[2]
-        modal = np.matmul(compliance.right.T, change[1:])
+        modal = np.empty((len(change) - 1, compliance.right.shape[1], count))
+
+        def project(start: int, stop: int) -> None:
+            for row in range(start, stop):
+                np.matmul(compliance.right.T, change[1 + row], out=modal[row])
+
+        in_shares(project, len(modal), 1)
         cosine, sine = modal[0::2], modal[1::2]
         gain = compliance.gain
         times = np.multiply if gain.ndim == 2 else np.matmul

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
+from stickslip.core.threads import library_threads
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.operator_products import (
     Rows,
@@ -77,7 +78,8 @@ class StaticFactor:
         matrix *= scale[:, None]
         norm = max(float(np.abs(part).sum(axis=1).max()) for part in np.array_split(matrix, 1 + len(matrix) // ROWS))
         # The transpose of a symmetric matrix by rows is one by columns, which the library does not copy.
-        factor, failure = scipy.linalg.lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
+        with library_threads(len(matrix)):
+            factor, failure = scipy.linalg.lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
         if failure or scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] <= SINGULAR_MEAN:
             return None
         return cls(scale, (factor, True))
@@ -95,7 +97,8 @@ class StaticFactor:
 
         The inverse takes a third of the operations of solutions for all rows (LAPACK dpotri).
         """
-        inverse, failure = scipy.linalg.lapack.dpotri(self._factor[0], lower=1)
+        with library_threads(len(self._factor[0])):
+            inverse, failure = scipy.linalg.lapack.dpotri(self._factor[0], lower=1)
         assert not failure  # the factor has no zero on its diagonal
         inverse = inverse.T  # by rows, with the upper triangle
         for start in range(0, len(inverse), ROWS):

@@ -137,7 +137,7 @@ def unreported_mode(
     report = StageReport(progress)
     with_load = Excitation.force(np.ones(superelement.size))  # any of one harmonic
     least = least_harmonics(harmonics, accuracy, samples, with_load)
-    with solver_threads(3 * pairs.n_pairs, threads):
+    with solver_threads(threads):
         report.stage("linear modes")
         start = LinearMode.of(superelement, pairs, mode, limit)
         require_allowed_amplitude(pairs, start, highest)

@@ -81,7 +81,7 @@ def quasi_static_mode(
     began = time.perf_counter()
     bounds = checked_amplitudes(amplitude)
     density = whole_number("points_per_decade", points_per_decade, 1)
-    with solver_threads(3 * pairs.n_pairs, thread_count(threads)):
+    with solver_threads(thread_count(threads)):
         linear = LinearMode.of(superelement, pairs, mode, "stuck")
         stuck = stuck_structure(superelement, pairs, linear.omega, modal_damping_ratio)
         result = unreported_static_mode(stuck, linear, bounds, density)

@@ -101,8 +101,7 @@ def ridge_between(
     """The ridges of the peaks of the curves at both ends of a range. Raises InputError, ConvergenceError."""
     began = time.perf_counter()
     first = stage_at(bounds[0], None)
-    n_pairs = first.balances.pairs.n_pairs
-    with solver_threads(3 * n_pairs, thread_count(threads)):
+    with solver_threads(thread_count(threads)):
         named = f"{name} = {{:.4g}} {unit}".rstrip().format
         ridges = RidgeMap(stage_at, bounds, report, named=named)
         for value in bounds:

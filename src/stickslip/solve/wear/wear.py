@@ -155,7 +155,7 @@ def unreported_wear(
     at, window = _operation(frequency_hz)
     options = RidgeOptions(window, harmonics, samples, update, newton or NewtonSettings())
     report = StageReport(progress)
-    with solver_threads(3 * pairs.n_pairs, thread_count(threads)):
+    with solver_threads(thread_count(threads)):
         joint = WornJoint(superelement, pairs, stiffness)
         vibration = WornVibration(joint, excitation, row, options, at, modal_damping_ratio, report)
         history = _worn(vibration, alpha / areas, count, tolerance, report)
