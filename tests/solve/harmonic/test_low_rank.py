@@ -12,12 +12,12 @@ from helpers import Blade
 from stickslip.core.threads import solver_threads
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic import harmonic_modes, large_newton, local_inverse, reduced
+from stickslip.solve.harmonic import harmonic_modes, large_newton, local_inverse, low_rank, reduced
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.factors import iterated
 from stickslip.solve.harmonic.harmonic_modes import LocalCompliance, NewtonCompliance
 from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance, MeanDifference, mean_difference
-from stickslip.solve.harmonic.low_rank import LowRankInverse
+from stickslip.solve.harmonic.low_rank import OUTPUTS_AT_ONCE, LowRankInverse
 from stickslip.solve.harmonic.reduced import NewtonSystem
 from stickslip.solve.harmonic.row_products import COLUMNS_AT_ONCE, ROWS_AT_ONCE, VECTORS, row_products, sums_of_rows
 from stickslip.solve.setting_up import prepare_balances
@@ -55,8 +55,12 @@ def bordered_inverse(
     return inverse, RNG.standard_normal(system.size + 2)
 
 
-def test_the_inverse_is_exact_for_the_compliance_of_low_rank(balance: Balance, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("share", [4, OUTPUTS_AT_ONCE])
+def test_the_inverse_is_exact_for_the_compliance_of_low_rank(
+    balance: Balance, monkeypatch: pytest.MonkeyPatch, share: int
+) -> None:
     monkeypatch.setattr(reduced, "LARGE_ROWS", 1)
+    monkeypatch.setattr(low_rank, "OUTPUTS_AT_ONCE", share)
     system = system_of(balance)
     assert system.active.outputs.size > 0
     columns, lines, corner = borders(system)
@@ -66,7 +70,12 @@ def test_the_inverse_is_exact_for_the_compliance_of_low_rank(balance: Balance, m
     moved = compliance.relative(compliance.amplitude(inner.reshape(system.columns, -1)))
     assert np.abs(moved).max() > 0.0
     top = inner + system.change_of_inputs(moved) + border @ columns
-    np.testing.assert_allclose(inverse.solve(np.append(top, lines @ inner + corner @ border)), exact, atol=1e-7)
+    right = np.append(top, lines @ inner + corner @ border)
+    found = inverse.solve(right)
+    np.testing.assert_allclose(found, exact, atol=1e-7)
+    with solver_threads(3):  # the same digits
+        for _ in range(5):
+            np.testing.assert_array_equal(bordered_inverse(system, columns, lines, corner)[0].solve(right), found)
 
 
 @pytest.mark.parametrize("rows_at_most", [1200, 1])  # one block a group, and one for each harmonic

@@ -15,8 +15,9 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve import setting_up
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import forced_response
-from stickslip.solve.harmonic import harmonic_modes, reduced, soft_structure
+from stickslip.solve.harmonic import harmonic_modes, large_newton, reduced, soft_structure
 from stickslip.solve.harmonic.kept_modes import KeptCompliance
+from stickslip.solve.harmonic.large_newton import LargeNewtonCompliance, MeanDifference
 from stickslip.solve.harmonic.soft_structure import SoftStructure
 from stickslip.solve.setting_up import Balances, prepare_balances
 
@@ -116,6 +117,32 @@ def test_only_the_inertia_of_far_modes_is_neglected(
         motions[0] @ soft.pairs.operator.T, answers[0], rtol=0, atol=1e-7 * np.abs(answers[0]).max()
     )
     assert relative_error(motions[0], motions[1]) < (HARMONICS * omega / first_other) ** 2
+
+
+@pytest.mark.parametrize("many", [0.0, 1.0])  # products of all rows, or sums of those of the columns
+@pytest.mark.parametrize("retained", [False, True])
+def test_newtons_matrix_has_the_compliance_of_the_full_spectrum(
+    blade: Blade, monkeypatch: pytest.MonkeyPatch, retained: bool, many: float
+) -> None:
+    """The mean exactly, vibrations but for the inertia of the far modes. A mean of the kept modes has their arrays."""
+    soft, full = soft_and_full(blade, monkeypatch, retained=retained)
+    monkeypatch.setattr(large_newton, "MANY_COLUMNS", many)
+    columns, rows, omega = np.arange(3, 14), np.array([0, 4, 9]), soft.stuck.highest_omega
+    few: Any = soft.with_harmonics(HARMONICS).compliance.newton(omega, columns)
+    assert isinstance(few, LargeNewtonCompliance)
+    if retained:
+        assert isinstance(few.mean_part, MeanDifference)
+        assert few.mean_part.shapes is few.left
+    exact: Any = full.exact(HARMONICS, 128).compliance.newton(omega, columns)
+    deviation = RNG.standard_normal((2 * HARMONICS + 1, columns.size))
+    weights = RNG.standard_normal((2 * HARMONICS + 1, 3 * blade.pairs.n_pairs))
+    for found, expected in (
+        (few.apply(deviation), exact.apply(deviation)),
+        (few.apply_at(deviation, rows), exact.apply(deviation)[:, rows]),
+        (few.apply_transposed(weights), exact.apply_transposed(weights)),
+    ):
+        assert relative_error(found[0], expected[0]) < 1e-6
+        assert relative_error(found[1:], expected[1:]) < 2.0 * (HARMONICS / RANGE) ** 2
 
 
 def test_the_structure_without_contact_has_its_soft_modes_and_its_response(

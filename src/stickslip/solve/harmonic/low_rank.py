@@ -28,8 +28,8 @@ from stickslip.solve.harmonic.factors import Factor
 from stickslip.solve.harmonic.harmonic_modes import IndexArray, LowRankCompliance
 from stickslip.solve.harmonic.local_inverse import LocalInverse
 
-# chosen: unknowns of one share of the products of D with the shapes.
-OUTPUTS_AT_ONCE = 128
+# chosen: unknowns of one share of the products of D with the shapes, whose arrays remain in the cache.
+OUTPUTS_AT_ONCE = 256
 
 
 class ReducedEquations(Protocol):
@@ -65,19 +65,21 @@ class LowRankInverse:
         corner: FloatArray,
     ) -> None:
         self._local = None if compliance.local is None else LocalInverse(system, compliance.local)
-        self._system, self._compliance, self._lines = system, compliance, lines
-        of_unknowns = self._change_of_shapes().reshape(system.size, -1)
-        if self._local is not None:
-            of_unknowns, columns = self._local.solve(of_unknowns), self._local.solve(columns.T).T
-        self._columns = columns
-        n_shapes, borders = of_unknowns.shape[1], len(columns)
-        inner = of_unknowns.reshape(system.columns, -1, n_shapes)
+        self._system, self._compliance, self._lines, self._columns = system, compliance, lines, columns
+        if self._local is None:
+            products = self._products_in_shares()
+        else:
+            change = self._change_of_shapes(0, system.active.outputs.size)
+            change = self._local.solve(change.reshape(system.size, -1)).reshape(change.shape)
+            products = self._products(change, slice(None))
+            self._columns = self._local.solve(columns.T).T
+        n_shapes, borders = products.shape[1], len(columns)
         matrix = np.empty((n_shapes + borders, n_shapes + borders))
-        matrix[:n_shapes, :n_shapes] = np.eye(n_shapes) + self._amplitudes(inner)
-        for i, column in enumerate(columns):
+        matrix[:n_shapes, :n_shapes] = np.eye(n_shapes) + self._with_gain(products[:n_shapes])
+        for i, column in enumerate(self._columns):
             matrix[:n_shapes, n_shapes + i] = compliance.amplitude(column.reshape(system.columns, -1))
-        matrix[n_shapes:, :n_shapes] = -(lines @ of_unknowns)
-        matrix[n_shapes:, n_shapes:] = corner - lines @ columns.T
+        matrix[n_shapes:, :n_shapes] = -products[n_shapes:]
+        matrix[n_shapes:, n_shapes:] = corner - lines @ self._columns.T
         self._factor = Factor(matrix)
 
     def solve(self, right: FloatArray) -> FloatArray:
@@ -94,27 +96,34 @@ class LowRankInverse:
             change = self._local.solve(change)
         return np.append(inner - change - parameters @ self._columns, parameters)
 
-    def _change_of_shapes(self) -> FloatArray:
-        """``D L`` (2H+1, k, c_0 + 2 H c)."""
-        system, compliance = self._system, self._compliance
-        active, width = system.active, system.columns
-        tangent = system.tangent.reshape(active.pairs.size, 3, width, 3, width)
-        n_shapes = compliance.mean.shape[1] + (width - 1) * compliance.left.shape[1]
-        answer = np.empty((width, active.outputs.size, n_shapes))
-        arrays = tangent, active.output_position, *map(np.ascontiguousarray, (compliance.mean, compliance.left)), answer
-        in_shares(lambda start, stop: _changes(*arrays, start, stop), active.outputs.size, OUTPUTS_AT_ONCE)
-        return answer
+    def _products_in_shares(self) -> FloatArray:
+        """:meth:`_products` of all unknowns. ``D L`` of all of them, hundreds of megabytes, is never written; the
+        shares are added in their order, so the digits do not depend on the threads."""
+        count = self._system.active.outputs.size
+        parts: dict[int, FloatArray] = {}
 
-    def _amplitudes(self, change: FloatArray) -> FloatArray:
-        """``G L^T`` of columns (2H+1, k, j): (c_0 + 2 H c, j)."""
+        def work(start: int, stop: int) -> None:
+            for begin in range(start, stop, OUTPUTS_AT_ONCE):
+                end = min(begin + OUTPUTS_AT_ONCE, stop)
+                parts[begin] = self._products(self._change_of_shapes(begin, end), slice(begin, end))
+
+        in_shares(work, count, OUTPUTS_AT_ONCE)
+        return np.asarray(sum(parts[begin] for begin in sorted(parts)))
+
+    def _products(self, change: FloatArray, unknowns: slice) -> FloatArray:
+        """``L^T`` and the lines of the borders times ``D L`` (2H+1, r, j) of some unknowns: (c_0 + 2 H c + b, j)."""
         compliance, count = self._compliance, change.shape[2]
-        modal = np.empty((len(change) - 1, compliance.right.shape[1], count))
+        modal = np.matmul(compliance.right[unknowns].T, change[1:])
+        width, own = change.shape[:2]
+        lines = self._lines.reshape(-1, width, self._system.active.outputs.size)[:, :, unknowns]
+        of_lines = lines.reshape(-1, width * own) @ change.reshape(-1, count)
+        return np.vstack([compliance.mean_right[unknowns].T @ change[0], modal.reshape(-1, count), of_lines])
 
-        def project(start: int, stop: int) -> None:
-            for row in range(start, stop):
-                np.matmul(compliance.right.T, change[1 + row], out=modal[row])
-
-        in_shares(project, len(modal), 1)
+    def _with_gain(self, products: FloatArray) -> FloatArray:
+        """``G`` times products (c_0 + 2 H c, j) with L^T; that of the mean is 1."""
+        compliance, count = self._compliance, products.shape[1]
+        n_mean = compliance.mean_right.shape[1]
+        modal = products[n_mean:].reshape(self._system.columns - 1, -1, count)
         cosine, sine = modal[0::2], modal[1::2]
         gain = compliance.gain
         times = np.multiply if gain.ndim == 2 else np.matmul
@@ -122,26 +131,29 @@ class LowRankInverse:
         answer = np.empty_like(modal)
         answer[0::2] = times(real, cosine) + times(imaginary, sine)
         answer[1::2] = times(real, sine) - times(imaginary, cosine)
-        return np.vstack([compliance.mean_right.T @ change[0], answer.reshape(-1, count)])
+        return np.vstack([products[:n_mean], answer.reshape(-1, count)])
+
+    def _change_of_shapes(self, start: int, stop: int) -> FloatArray:
+        """``D L`` (2H+1, r, c_0 + 2 H c) of the unknowns ``start`` to ``stop``."""
+        system, compliance = self._system, self._compliance
+        active, width = system.active, system.columns
+        tangent = system.tangent.reshape(active.pairs.size, 3, width, 3, width)
+        n_shapes = compliance.mean.shape[1] + (width - 1) * compliance.left.shape[1]
+        answer = np.empty((width, stop - start, n_shapes))
+        shapes = map(np.ascontiguousarray, (compliance.mean, compliance.left))
+        _changes(tangent, active.output_position[start:stop], *shapes, answer)
+        return answer
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
-def _changes(
-    tangent: FloatArray,
-    position: IndexArray,
-    mean: FloatArray,
-    left: FloatArray,
-    answer: FloatArray,
-    start: int,
-    stop: int,
-) -> None:
-    """``D L`` (2H+1, k, c_0 + 2 H c) of the unknowns ``start`` to ``stop``.
+def _changes(tangent: FloatArray, position: IndexArray, mean: FloatArray, left: FloatArray, answer: FloatArray) -> None:
+    """``D L`` (2H+1, r, c_0 + 2 H c) of some unknowns.
 
-    From D (n_moving, 3, 2H+1, 3, 2H+1), the ``position`` (k,) of each unknown among the 3 n_moving rows, and L of the
+    From D (n_moving, 3, 2H+1, 3, 2H+1), the ``position`` (r,) of each unknown among the 3 n_moving rows, and L of the
     mean (3 n_moving, c_0) and of the harmonics (3 n_moving, c).
     """
     width, n_mean, n_left = tangent.shape[2], mean.shape[1], left.shape[1]
-    for k in range(start, stop):
+    for k in range(len(position)):
         pair, axis = position[k] // 3, position[k] % 3
         numbers = tangent[pair, axis]
         mean_x, mean_y, mean_z = mean[3 * pair], mean[3 * pair + 1], mean[3 * pair + 2]
