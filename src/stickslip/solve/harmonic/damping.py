@@ -7,7 +7,6 @@ import scipy.linalg
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
-from stickslip.core.threads import library_threads
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.operator_products import with_springs
 from stickslip.structure.superelement import Superelement
@@ -30,8 +29,7 @@ def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, Fl
     is not positive definite, or a stiffness matrix with a clearly negative eigenvalue.
     """
     try:
-        with library_threads(len(mass)):
-            squares, modes = scipy.linalg.eigh(stiffness, mass)
+        squares, modes = scipy.linalg.eigh(stiffness, mass)
     except scipy.linalg.LinAlgError as error:
         raise InputError(
             "the mass matrix is not positive definite, so the structure has no vibration modes. Check for unknowns "
@@ -56,10 +54,8 @@ def changed_basis(
     """
     stiffness = contact_modes.T @ (springs[:, None] * contact_modes)
     np.fill_diagonal(stiffness, stiffness.diagonal() + circular_frequency**2)
-    with library_threads(len(stiffness)):
-        squares, shapes = scipy.linalg.eigh(stiffness, driver="evd", overwrite_a=True)
-        shapes = modes @ shapes
-    return np.sqrt(np.maximum(squares, 0.0)), shapes
+    squares, shapes = scipy.linalg.eigh(stiffness, driver="evd", overwrite_a=True)
+    return np.sqrt(np.maximum(squares, 0.0)), modes @ shapes
 
 
 def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: float) -> FloatArray:
