@@ -209,15 +209,15 @@ def friction_tangent(
     ``limit_slopes`` (n_pairs, n) N/m: derivative of the limits by the closing at the samples.
     """
     samples = limits.shape[1]
-    paths, means = _sampled_paths(displacement, pairs, samples, chosen)
+    paths, means = _sampled_paths(displacement, pairs, samples)
     springs = pairs.tangential_springs[chosen]
     ratios, basis = _ratios(springs), _basis(displacement.shape[2] // 2, samples)
 
     def differentiate(start: int, stop: int) -> None:
-        own, part = slice(start, stop), chosen[start:stop]
+        part = chosen[start:stop]
         traction_tangents(
-            paths[own], means[own], limits[part], ratios[own], springs[own], limit_slopes[part],
-            update == "tractrix", pairs.released, basis, period_start[part], tangent[own],
+            paths[part], means[part], limits[part], ratios[start:stop], springs[start:stop], limit_slopes[part],
+            update == "tractrix", pairs.released, basis, period_start[part], tangent[start:stop],
         )  # fmt: skip
 
     in_shares(differentiate, len(chosen), PAIRS_OF_A_SHARE)
@@ -302,37 +302,26 @@ def _periods(
 
 
 def _drifting(paths: FloatArray, means: FloatArray, pairs: FrictionConstants) -> tuple[FloatArray, FloatArray]:
-    """Paths (n_pairs, 2, n + 1) K (s - mean s) and means (n_pairs, 2) K mean s, as the sliders see them.
+    """Paths (n_pairs, 2, n + 1) K (s - mean s), changed in their place, and means (n_pairs, 2) K mean s, as the sliders
+    see them.
 
     A released slider is at the mean. Else the path begins with the traction at rest, and drifts: each cycle adds the
     same part of the mean displacement.
     """
     if pairs.released:
         return paths, np.zeros_like(means)
-    return paths + pairs.resting_traction[:, :, None] + means[:, :, None] * _drift(paths.shape[2]), means
+    paths += pairs.resting_traction[:, :, None]
+    paths += (means / CYCLES)[:, :, None] * np.linspace(0.0, 1.0, paths.shape[2])
+    return paths, means
 
 
-def _drift(count: int) -> FloatArray:
-    """(count,) part of the mean displacement that a path has added at each of its points."""
-    return np.linspace(0.0, 1.0 / CYCLES, count)
-
-
-def _sampled_paths(
-    displacement: FloatArray, pairs: FrictionConstants, samples: int, chosen: NDArray[np.int64] | slice = slice(None)
-) -> tuple[FloatArray, FloatArray]:
-    """Tangential paths and means of the pairs ``chosen`` as in :func:`_drifting`, in one product."""
+def _sampled_paths(displacement: FloatArray, pairs: FrictionConstants, samples: int) -> tuple[FloatArray, FloatArray]:
+    """Tangential paths and means (:func:`_drifting`)."""
     synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
-    elastic = pairs.tangential_springs[chosen, :, None] * displacement[chosen, :2]
-    means, terms = np.ascontiguousarray(elastic[:, :, 0]), [elastic[:, :, 1:]]
-    shapes = [np.vstack([synthesis[:, 1:], synthesis[:1, 1:]]).T]
-    if pairs.released:
-        means = np.zeros_like(means)
-    else:
-        terms += [pairs.resting_traction[chosen, :, None], means[:, :, None]]
-        shapes += [np.ones((1, samples + 1)), _drift(samples + 1)[None]]
-    coefficients = np.concatenate(terms, axis=2)
-    paths = coefficients.reshape(-1, coefficients.shape[2]) @ np.concatenate(shapes)
-    return paths.reshape(-1, 2, samples + 1), means
+    elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2]
+    closed = np.vstack([synthesis[:, 1:], synthesis[:1, 1:]])
+    paths = (elastic[:, :, 1:].reshape(-1, elastic.shape[2] - 1) @ closed.T).reshape(-1, 2, samples + 1)
+    return _drifting(paths, elastic[:, :, 0], pairs)
 
 
 def _limits(displacement: FloatArray, pairs: CoulombConstants, samples: int) -> FloatArray:
