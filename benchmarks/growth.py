@@ -27,7 +27,7 @@ from stickslip.study.analyses import solve
 Times = tuple[float, float]
 REDUCTION, THREADS = "--reduction", "--threads="
 # Pairs of both faces -> elements up the contact face and along the damper.
-# 5032 take some 13 minutes with two threads, and 14 GB: only where they are asked for.
+# 5032 take 8 to 13 minutes with two threads, and 14 GB: only where they are asked for.
 ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32), 5032: (33, 73)}
 
 

@@ -66,6 +66,7 @@ class LowRankInverse:
     ) -> None:
         self._local = None if compliance.local is None else LocalInverse(system, compliance.local)
         self._system, self._compliance, self._lines, self._columns = system, compliance, lines, columns
+        self._shapes = tuple(map(np.ascontiguousarray, (compliance.mean, compliance.left)))  # once for all shares
         if self._local is None:
             products = self._products_in_shares()
         else:
@@ -135,13 +136,11 @@ class LowRankInverse:
 
     def _change_of_shapes(self, start: int, stop: int) -> FloatArray:
         """``D L`` (2H+1, r, c_0 + 2 H c) of the unknowns ``start`` to ``stop``."""
-        system, compliance = self._system, self._compliance
+        system, (mean, left) = self._system, self._shapes
         active, width = system.active, system.columns
         tangent = system.tangent.reshape(active.pairs.size, 3, width, 3, width)
-        n_shapes = compliance.mean.shape[1] + (width - 1) * compliance.left.shape[1]
-        answer = np.empty((width, stop - start, n_shapes))
-        shapes = map(np.ascontiguousarray, (compliance.mean, compliance.left))
-        _changes(tangent, active.output_position[start:stop], *shapes, answer)
+        answer = np.empty((width, stop - start, mean.shape[1] + (width - 1) * left.shape[1]))
+        _changes(tangent, active.output_position[start:stop], mean, left, answer)
         return answer
 
 
