@@ -106,6 +106,8 @@ from .solve.gradients.peak_gradients import peak_gradients as peak_gradients
 from .solve.modes.nonlinear_mode import nonlinear_mode as nonlinear_mode
 from .solve.modes.quasi_static_mode import quasi_static_mode as quasi_static_mode
 from .solve.other_solutions import search_other_solutions as search_other_solutions
+from .solve.partial_joint import not_resting as not_resting
+from .solve.partial_joint import partial_response as partial_response
 from .solve.path.continuation import Branch as Branch
 from .solve.path.newton import Newton as Newton
 from .solve.path.newton import NewtonSettings as NewtonSettings
@@ -132,6 +134,7 @@ from .structure.elasticity import assemble as assemble
 from .structure.elasticity import assemble_bodies as assemble_bodies
 from .structure.hot_modulus import modulus_at as modulus_at
 from .structure.mesh import Mesh as Mesh
+from .structure.partial_reduction import partial_superelement as partial_superelement
 from .structure.rotating import RotatingStructure as RotatingStructure
 from .structure.rotating import rotating as rotating
 from .structure.rotating_reduction import rotating_superelement as rotating_superelement

@@ -123,8 +123,8 @@ def test_matching_faces_with_open_pairs_are_not_tied() -> None:
     actual = two_blades("released")
     closed = actual.pairs.closed_at_rest
     assert 0 < np.count_nonzero(closed) < closed.size
-    assert contact_of_modes(actual.joint.face_pairs, all_closed=True) == "tied"
-    assert contact_of_modes(actual.joint.face_pairs, all_closed=False) == CONSTRAINED
+    assert contact_of_modes(actual.joint.face_pairs, True, actual.superelement) == "tied"
+    assert contact_of_modes(actual.joint.face_pairs, False, actual.superelement) == CONSTRAINED
     omega, _ = modal_basis(actual.superelement.mass, stuck_stiffness_matrix(actual.superelement, actual.pairs))
     table = table_of(actual)
     assert [row.reduced_hz for row in table] == pytest.approx(omega[: len(table)] / (2.0 * np.pi), rel=1e-6)

@@ -81,7 +81,7 @@ def test_a_key_without_value_in_the_study_is_rejected(tmp_path: Path) -> None:
     case = quick_case()
     stored_sweep(tmp_path, case, {LOAD: [300]})
     with rejects(InputError, "reduction.modes"):
-        inputs = {name: section for name, section in case.to_dict().items() if name != "reduction"}
+        inputs = case.to_dict() | {"reduction": {"pairs": "all"}}
         store_record(tmp_path, SweepRecord("t", "", (), inputs, swept_keys({LOAD: [300]}, case), read_cases(tmp_path)))
         rows_of(tmp_path, case, {"reduction.modes": [7]})
 

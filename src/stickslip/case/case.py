@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any, ClassVar, Self, cast, get_args
 
@@ -27,6 +28,7 @@ from stickslip.case.consistency import (
     excitation_errors,
     frd_errors,
     joint_errors,
+    moving_pair_errors,
     place_errors,
     preload_errors,
     rotation_errors,
@@ -139,7 +141,9 @@ class Case(CaseContent):
     @model_validator(mode="after")
     def _sections_fit_each_other(self) -> Self:
         """Raise EntryError for the first entry that contradicts another one."""
-        for error in self._misfits():
+        rotates = self.sections.get("rotation") is not None
+        partial = moving_pair_errors(self.reduction, self.structure.kind, self.analysis, self.preload, rotates)
+        for error in chain(self._misfits(), partial):
             raise error
         if isinstance(self.analysis, WearAnalysis):
             interfaces = self.sections.get("interfaces", {})

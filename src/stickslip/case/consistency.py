@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
 from stickslip.case.own_sections import OwnPreloadSection, PlaceSection, RotationSection, SectorRotationSection
-from stickslip.case.sections import OutputSection, PreloadSection, SolverSection
+from stickslip.case.sections import OutputSection, PreloadSection, ReductionSection, SolverSection
 from stickslip.case.two_blade_sections import ROTATING, DamperFrictionSection, WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES, Declaration
 from stickslip.core.errors import InputError
@@ -55,6 +55,26 @@ def wear_errors(
             ("analysis", "running_in_sq"),
             "requires the section [roughness], which runs in. Give it, or remove this key.",
         )
+
+
+def moving_pair_errors(
+    reduction: ReductionSection, kind: str, analysis: AnalysisSection, preload: PreloadSection, rotates: bool
+) -> Iterator[EntryError]:
+    """What reduction.pairs = "moving" does not allow: the frequency curve alone shows which pairs move."""
+    if reduction.pairs != "moving":
+        return
+    words = 'reduction.pairs is "moving", which is for the frequency curve of a mesh at rest. Set pairs = "all"'
+    if kind not in ("two-blade", "mesh"):
+        yield EntryError(("reduction", "pairs"), f'is "moving", but structure.kind is "{kind}". Set pairs = "all".')
+    if analysis.kind != "forced":
+        yield EntryError(("analysis", "kind"), f'is "{analysis.kind}", but {words}, or kind = "forced".')
+    for key in ("traction_band", "search", "gradients"):
+        if getattr(analysis, key):
+            yield EntryError(("analysis", key), f"is true, but {words}, or {key} = false.")
+    if preload.method == "solved":
+        yield EntryError(("preload", "method"), f'is "solved", but {words}, or method = "prescribed".')
+    if rotates:
+        yield EntryError(("rotation",), f"is given, but {words}, or remove this section.")
 
 
 def _wearing_law(path: tuple[str, ...], law: str, declaration: Declaration) -> EntryError:

@@ -42,6 +42,10 @@ class ReductionSection(Section):
     modes: Annotated[int, Count(at_least=0, at_most=2000)] = Field(
         default=30, description="retained fixed-interface modes"
     )
+    pairs: Literal["all", "moving"] = Field(
+        default="all",
+        description="contact pairs with unknowns: all, or moving (large joints that mostly stick)",
+    )
 
 
 FractalMode = Literal["consistent", "varying-curvature", "unloading"]

@@ -23,8 +23,9 @@ from stickslip.model.kinds.matrices import MatrixKind
 from stickslip.model.kinds.mesh import MeshKind
 from stickslip.model.kinds.two_blade import TwoBladeKind
 from stickslip.model.layout import AnyStructure, Layout, Setup
+from stickslip.model.moving_joint import moving_pairs_of, reduced_to_moving, require_mesh_at_rest
 from stickslip.model.solved_preload import SolvedPreload, resting_joint, solve_preload
-from stickslip.model.study_structure import ReducedStructure, StudyStructure, study_structure
+from stickslip.model.study_structure import BoolArray, ReducedStructure, StudyStructure, study_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.substructure import Substructure
@@ -140,7 +141,36 @@ def build_model(
     if structure is None or joint is None:
         setup = set_up(case)
         structure, joint = structure or setup.assemble(), joint or load_joint(case, setup.layout)
+    if case.reduction.pairs == "moving":
+        moving = _estimated_moving_pairs(case, structure, joint)
+        return model_of_moving_pairs(case, structure, joint, moving, threads, progress)
     reduced = reduce_structure(case, structure, joint.layout, threads, progress)
+    return Model(**vars(connect(case, reduced, joint)), structure=structure)
+
+
+def _estimated_moving_pairs(case: Case, structure: AnyStructure, joint: Joint) -> BoolArray:
+    """(n_pairs,) the pairs that can move."""
+    layout = joint.layout
+
+    def excitation_of(modes: FloatArray) -> Excitation:
+        rows = {name: group.unit_loads(len(modes)).T @ modes for name, group in layout.node_groups.items()}
+        inertia = layout.base_inertia
+        return make_excitation(case, rows, None if inertia is None else modes.T @ inertia)
+
+    return moving_pairs_of(case, require_mesh_at_rest(structure), joint, excitation_of)
+
+
+def model_of_moving_pairs(
+    case: Case,
+    structure: AnyStructure,
+    joint: Joint,
+    moving: BoolArray,
+    threads: int = 1,
+    progress: ProgressCallback | None = None,
+) -> Model:
+    """The model whose pairs rest but for the ``moving`` ones (n_pairs,). Raises InputError."""
+    with keys_of_section("reduction", {"n_modes": "modes"}):
+        reduced = reduced_to_moving(case, require_mesh_at_rest(structure), joint, moving, threads, progress)
     return Model(**vars(connect(case, reduced, joint)), structure=structure)
 
 

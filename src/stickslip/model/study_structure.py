@@ -8,6 +8,7 @@ from functools import singledispatch
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import concerning
@@ -34,6 +35,8 @@ from stickslip.structure.rotating_superelement import RPM, RotatingSuperelement
 from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.substructure import Substructure
 from stickslip.structure.superelement import Superelement
+
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,8 @@ class ReducedStructure:
         the matrices at all speeds of a rotation, if one reduction is valid for them.
     blade:
         the blade alone of a sector whose study has mistuning.
+    moving:
+        (n_pairs,) the pairs that can move, if the others have no unknowns of their own.
     """
 
     substructure: Substructure
@@ -77,6 +82,7 @@ class ReducedStructure:
     mode_table: tuple[ReductionRow, ...] = ()
     speeds: Speeds | None = None
     blade: BladeAlone | None = None
+    moving: BoolArray | None = None
 
     def at(self, speed: float) -> Substructure:
         """The matrices at a speed in rad/s, if one reduction is valid for several speeds; else those at its own."""

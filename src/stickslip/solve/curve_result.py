@@ -144,8 +144,10 @@ def response_of(
     verdict, stability_message = _stability(trials, breaks, balance, balances, reason)
     report.stage("linear limits")
     grid = {"uniform": FEW_UNIFORM, "beside": FEW_BESIDE} if few_digits else {}
-    linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window, **grid)
-    damped, free_ratio = balances.is_damped, balances.free.damping_ratio(window)
+    linear = linear_curves(
+        balances.closed, balances.shown_free, balances.force.with_harmonics(harmonics), window, **grid
+    )
+    damped, free_ratio = balances.is_damped, balances.shown_free.damping_ratio(window)
     samples = np.array([balance_of(len(trial.amplitude) // 2).samples for trial in trials])
     notes = curve_warnings(check, balance, samples, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
     motion, walk = balances.motion(trials, measures.displacement)

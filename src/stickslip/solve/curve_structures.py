@@ -64,7 +64,9 @@ def curve_structure(structure: Any) -> CurveStructure:
 
 @curve_structure.register(Superelement)
 @dataclass(frozen=True)
-class _Structure:
+class StructureBalances:
+    """A structure."""
+
     superelement: Superelement
 
     def highest_elastic_hz(self, pairs: ContactPairs, count: int) -> float:

@@ -84,9 +84,10 @@ class CurveBalances(Protocol):
     """The balances of a frequency curve for any number of harmonics, with what its result says of the structure.
 
     :class:`Balances` are those of a structure, :class:`stickslip.solve.cyclic.balances.SectorBalances` those of a
-    sector of a disk. ``no_stability`` is the reason why their points have no stability, or empty; ``no_static_mode`` is
-    that why they have no motion under a static load in the shape of a mode. ``in_time`` is None
-    for equations whose solutions are not all motions of the structure, so that a time integration shows nothing.
+    sector of a disk. ``shown_free`` is the limit without contact of results, where ``free`` has springs of other pairs.
+    ``no_stability`` is the reason why their points have no stability, or empty; ``no_static_mode`` is that why they
+    have no motion under a static load in the shape of a mode. ``in_time`` is None for equations whose solutions are not
+    all motions of the structure, so that a time integration shows nothing.
     """
 
     @property
@@ -109,6 +110,8 @@ class CurveBalances(Protocol):
     def closed(self) -> Limit: ...
     @property
     def free(self) -> Limit: ...
+    @property
+    def shown_free(self) -> Limit: ...
     @property
     def equation(self) -> EquationOfMotion: ...
     @property
@@ -177,6 +180,11 @@ class Balances:
         if root is None:
             return LinearLimit.of_modes(frequency, modes, stiffness, stuck.velocity_matrix)
         return LinearLimit.undamped(frequency, modes, stiffness).with_damping_root(root)
+
+    @property
+    def shown_free(self) -> LinearLimit:
+        """The structure without contact, of results."""
+        return self.free
 
     @property
     def is_damped(self) -> bool:

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse
+from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
@@ -42,6 +43,8 @@ class NodePairs(Protocol):
     @property
     def is_matching(self) -> bool: ...
 
+    def subset(self, chosen: NDArray[np.bool_]) -> NodePairs: ...
+
     def mesh_operator(self, n_nodes: int) -> Any: ...
 
     def operator(self, superelement: Superelement) -> FloatArray: ...
@@ -75,6 +78,12 @@ def _tie_matrix(model: Structure | Superelement, pairs: NodePairs) -> Any:
 
     Pairs whose relative displacements are unknowns have none.
     """
+    if isinstance(model, Superelement) and model.joint_operator is not None:
+        raise InputError(
+            "a superelement that keeps the moving pairs alone has no unknowns of the other ones, so its pairs cannot "
+            "be tied. Give springs instead.",
+            arguments=["springs"],
+        )
     if isinstance(model, Superelement) and model.joint_rows is not None:
         pairs.operator(model)  # rejects other pairs
         return np.delete(np.eye(model.size), model.joint_unknowns, axis=1)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any, Protocol
 
 import numpy as np
+import scipy.linalg
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
@@ -16,6 +18,9 @@ from stickslip.structure.superelement import Superelement
 # first neglected mode, a factor of 10 or more.
 CORRECTIONS = 3
 
+
+# chosen: a further shape with less of its mass outside of the modes is one of them, by round-off.
+SAME_SHAPE = 1e-9
 
 _BLOCK = 64  # chosen to bound the memory of a projection
 
@@ -86,6 +91,11 @@ class Recovery:
         """Displacements of the mesh, unknowns of the superelement."""
         return self._structure.full_size, len(self._boundary) + self.modes.shape[1]
 
+    @property
+    def model(self) -> FullModel:
+        """The model that was reduced."""
+        return self._structure
+
     def __matmul__(self, reduced: FloatArray) -> FloatArray:
         return self._structure.expand(self._free(reduced))
 
@@ -97,6 +107,38 @@ class Recovery:
         free[self._interior] = self.modes @ reduced[count:]
         free[self._interior] -= self._solve(self._coupling() @ reduced[:count])
         return free
+
+    def with_shapes(self, shapes: FloatArray) -> Recovery:
+        """The recovery of a reduction whose modes span further shapes (n_free, k) too.
+
+        The part of a shape beside the constraint modes, ``f_i + K_ii^-1 K_ib f_b``, is a motion with fixed boundary;
+        with the modes it gives others by the method of Rayleigh and Ritz.
+        """
+        inside = self._interior
+        beside = shapes[inside] + self._solve(self._coupling() @ shapes[self._boundary])
+        stiffness, mass = (matrix[inside][:, inside] for matrix in (self._structure.stiffness, self._structure.mass))
+        span = np.hstack([self.modes, beside])
+        span /= np.sqrt(np.einsum("ij,ij->j", span, mass @ span))
+        squares, turns = scipy.linalg.eigh(span.T @ (mass @ span))
+        chosen = squares > SAME_SHAPE * squares[-1]
+        basis = span @ (turns[:, chosen] / np.sqrt(squares[chosen]))
+        modes = basis @ scipy.linalg.eigh(basis.T @ (stiffness @ basis))[1]
+        changed = copy(self)
+        changed.modes, changed._factor = modes, self._factor  # a copy has no factor, as a pickled one
+        return changed
+
+    def extended(self, mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Mass and stiffness (n, n) of the unknowns of this recovery, from those of one with the same boundary."""
+        inside, boundary, count, size = self._interior, self._boundary, len(self._boundary), self.shape[1]
+        full_mass, full_stiffness = self._structure.mass[inside], self._structure.stiffness[inside]
+        weighted = full_mass[:, inside] @ self.modes
+        answer = np.zeros((2, size, size))
+        answer[:, :count, :count] = mass[:count, :count], stiffness[:count, :count]
+        coupling = full_mass[:, boundary].T @ self.modes - self._coupling().T @ self._solve(weighted)
+        answer[0, :count, count:], answer[0, count:, :count] = coupling, coupling.T
+        answer[0, count:, count:] = self.modes.T @ weighted
+        answer[1, count:, count:] = self.modes.T @ (full_stiffness[:, inside] @ self.modes)
+        return answer[0], answer[1]
 
     def vibrating(self, reduced: FloatArray, squares: FloatArray) -> FloatArray:
         """(n_free, k) free displacements of harmonic motions (n, k) with circular frequencies squared ``squares`` (k,).

@@ -40,11 +40,14 @@ class RelativeModel:
         n of the pair.
     transformation:
         csr T (n_free, n_free) with ``u = T v``.
+    rows:
+        csr (3 * n_pairs, n_free) with ``x = B u``.
     """
 
     base: Structure
     own_nodes: IntArray
     transformation: Any
+    rows: Any
 
     @classmethod
     def of(cls, structure: Structure, pairs: NodePairs, other_nodes: IntArray) -> RelativeModel | None:
@@ -72,7 +75,7 @@ class RelativeModel:
         place = scipy.sparse.csr_matrix((np.ones(len(own)), (own, np.arange(len(own)))), shape=(size, len(own)))
         rest = scipy.sparse.diags(others)
         transformation = rest + place @ inverse @ (place.T - operator @ rest)
-        return cls(structure, own_nodes, transformation.tocsr())
+        return cls(structure, own_nodes, transformation.tocsr(), operator)
 
     @cached_property
     def stiffness(self) -> Any:
@@ -111,6 +114,12 @@ class RelativeModel:
     def expand(self, vectors: FloatArray) -> FloatArray:
         """Displacements (full_size, ...) of the mesh from unknowns (n_free, ...)."""
         return self.base.expand(self.transformation @ vectors)
+
+    def unknowns_from(self, vectors: FloatArray) -> FloatArray:
+        """``T^-1 u`` (n_free, ...) of displacements (n_free, ...) of the structure."""
+        answer = vectors.copy()
+        answer[self.base.unknowns_of(self.own_nodes).ravel()] = self.rows @ vectors
+        return answer
 
     def gather(self, load: FloatArray) -> FloatArray:
         """``T^T f`` (n_free, ...) of forces (full_size, ...) on the mesh."""

@@ -61,6 +61,9 @@ class Superelement:
         csr (m, 3 * n_nodes), the rows t1, t2, n of contact pairs on the displacements of the mesh whose relative
         displacements are the m unknowns after those of the boundary nodes
         (:mod:`stickslip.structure.relative_reduction`), or None.
+    joint_operator:
+        (m, n) relative displacements of the ``joint_rows`` from all unknowns, where these rows are not unknowns
+        themselves (:mod:`stickslip.structure.partial_reduction`), or None.
 
     Raises
     ------
@@ -79,6 +82,7 @@ class Superelement:
     node_sets: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
     gyroscopic: FloatArray | None = None
     joint_rows: Any = None
+    joint_operator: FloatArray | None = None
 
     def __post_init__(self) -> None:
         mass = symmetric_matrix("mass", self.mass)
@@ -187,8 +191,9 @@ class Superelement:
     @property
     def joint_unknowns(self) -> NDArray[np.int64]:
         """(m,) the unknowns that are relative displacements of contact pairs; empty in most superelements."""
-        start = 3 * self.boundary_nodes.size
-        return np.arange(start, start + (0 if self.joint_rows is None else self.joint_rows.shape[0]))
+        if self.joint_rows is None or self.joint_operator is not None:
+            return np.empty(0, dtype=np.int64)
+        return 3 * self.boundary_nodes.size + np.arange(self.joint_rows.shape[0])
 
     def _joint_operator(self, pairs: PairsOfNodes) -> FloatArray:
         """:meth:`operator` of the pairs whose relative displacements are unknowns."""
@@ -196,10 +201,12 @@ class Superelement:
         rows = pairs.mesh_operator(n_nodes) if pairs.nodes.max() < n_nodes else None
         if rows is None or rows.shape != self.joint_rows.shape or abs(rows - self.joint_rows).max() > SAME_ROWS:
             raise InputError(
-                f"the superelement contains the relative displacements of its own {self.joint_unknowns.size // 3} "
+                f"the superelement contains the relative displacements of its own {self.joint_rows.shape[0] // 3} "
                 "contact pairs, but these pairs differ from them; reduce again with these pairs.",
                 arguments=["pairs"],
             )
+        if self.joint_operator is not None:
+            return self.joint_operator
         matrix = np.zeros((self.joint_unknowns.size, self.size))
         matrix[np.arange(len(matrix)), self.joint_unknowns] = 1.0
         return matrix

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from stickslip.results.sweep_table import Again
 from stickslip.solve.forced import unreported_response
 from stickslip.solve.modes.nonlinear_mode import unreported_mode
 from stickslip.solve.other_solutions import search_other_solutions
+from stickslip.solve.partial_joint import partial_response
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
@@ -196,10 +198,9 @@ def forced_curve(
         first_step=settings.first_step,
         max_points=most_points,
     )
-    response = unreported_response(
-        model.substructure,
-        model.pairs,
-        model.excitation,
+    curve_of = partial(
+        unreported_response,
+        excitation=model.excitation,
         frequency_hz=(settings.frequency_start, settings.frequency_stop),
         harmonics=numbers.harmonics if numbers else settings.harmonics,
         accuracy=None if numbers else settings.accuracy,
@@ -216,6 +217,10 @@ def forced_curve(
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )
+    moving = model.reduced.moving
+    if moving is not None:
+        return partial_response(model.superelement, model.pairs, moving, curve_of)
+    response = curve_of(model.substructure, model.pairs)
     if not analysis.search:
         return response
     return search_other_solutions(

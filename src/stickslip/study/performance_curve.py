@@ -76,11 +76,13 @@ AROUND = 1.03
 def has_performance_curve(case: Case) -> bool:
     """Whether a run computes the curve: of two blades whose loads follow from a centrifugal force.
 
-    A solved preload takes longer at each value than the peak, so there only :func:`stickslip.ridge` follows peaks.
+    A solved preload takes longer at each value than the peak, so there only :func:`stickslip.ridge` follows peaks. With
+    another load other pairs move.
     """
     return (
         isinstance(case, TwoBladeCase)
         and case.analysis.performance_curve
+        and case.reduction.pairs == "all"
         and case.preload.method == "prescribed"
         and case.preload.damper_force is not None
     )

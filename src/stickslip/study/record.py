@@ -36,6 +36,7 @@ from stickslip.results.record import (
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.substructure import Substructure
+from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import forced_curve, solve
 from stickslip.study.facts import (
     compared_peaks,
@@ -57,7 +58,7 @@ def study_record(
 ) -> StudyRecord:
     """Data for the report beside the response, without the sketch, which the cases of a sweep have in common."""
     pairs = model.joint.face_pairs
-    contact_model = contact_of_modes(pairs, bool(model.pairs.resting_stiffness().all()))
+    contact_model = contact_of_modes(pairs, bool(model.pairs.resting_stiffness().all()), model.substructure)
     mode_table = tuple(_mode_rows(table))
     doubts: tuple[str, ...] = ()
     if case.reference is not None:
@@ -173,7 +174,7 @@ def compare_modes(
     ``springs`` (3 * n_pairs,) N/m are 0 where a pair is open at rest; None means that all pairs are closed. Empty for a
     structure from matrices, a sector of a disk, and for pairs that are not tied without ``springs``.
     """
-    is_tied = contact_of_modes(pairs, springs is None or bool(springs.all())) == TIED
+    is_tied = contact_of_modes(pairs, springs is None or bool(springs.all()), substructure) == TIED
     full = study_structure(structure).full_model
     if full is None or not (is_tied or springs is not None):
         return ()
@@ -181,15 +182,16 @@ def compare_modes(
     return reduction_table(full, superelement, pairs, count=MODE_COUNT, springs=None if is_tied else springs)
 
 
-def contact_of_modes(pairs: FacePairs, all_closed: bool) -> str:
-    """Contact in the mode table: tied if all pairs are node to node, else stuck on their springs.
+def contact_of_modes(pairs: FacePairs, all_closed: bool, substructure: Substructure) -> str:
+    """Contact in the mode table: tied if all pairs are node to node and have unknowns, else stuck on their springs.
 
     A pair that is open at rest stays open, as in the linear stuck curve; a joint with such a pair (not ``all_closed``)
     is never tied, because ties would close it.
     """
     if not all_closed:
         return f"{STUCK} {CLOSED_AT_REST}"
-    return TIED if pairs.is_matching else STUCK
+    is_partial = isinstance(substructure, Superelement) and substructure.joint_operator is not None
+    return TIED if pairs.is_matching and not is_partial else STUCK
 
 
 def _mode_rows(table: tuple[ReductionRow, ...]) -> Iterator[dict[str, Value]]:

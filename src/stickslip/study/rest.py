@@ -8,8 +8,12 @@ import scipy.linalg
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import Model
 from stickslip.structure.elasticity import Structure, natural_frequencies
+from stickslip.structure.factor import best_backend, factorize
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.superelement import moves_freely
+
+# chosen: over the lowest elastic eigenvalue, of which it is the relative error; round-off of 1e-16 over it is as small.
+SHIFT = 1e-8
 
 
 def displacement_at_rest(
@@ -25,7 +29,28 @@ def displacement_at_rest(
     normal[:, 2] = np.maximum(np.nan_to_num(model.pairs.normal_load), 0.0)
     if not model.static_load.any() and not normal.any():
         return "none", np.zeros((structure.full_size, 1))
+    if model.reduced.moving is not None:
+        return "prescribed", _on_mesh(model, structure, load, normal.ravel())
     return "prescribed", _under_normal_loads(model, structure, recovery, load, normal.ravel())
+
+
+def _on_mesh(model: Model, structure: Structure, load: FloatArray, contact: FloatArray) -> FloatArray:
+    """The solution of :func:`_under_normal_loads` on the full mesh: a reduction to moving pairs lacks the responses to
+    the normal loads of the others.
+
+    ``K + c M`` is regular; the balanced load does not stretch free motions, and c is far below all other eigenvalues.
+    """
+    count = min(6 * (int(structure.mesh.body.max()) + 1) + 1, structure.stiffness.shape[0] - 1)
+    frequency_hz, modes = natural_frequencies(structure.stiffness, structure.mass, count)
+    is_free = moves_freely(structure.stiffness, modes)
+    free, lowest = modes[:, is_free], 2.0 * np.pi * frequency_hz[~is_free].min()
+    rows = structure.of_unknowns(model.joint.face_pairs.mesh_operator(structure.mesh.n_nodes))
+    force = structure.gather(load) - rows.T @ contact
+    balanced = force - structure.mass @ (free @ (free.T @ force))
+    shifted = structure.stiffness + SHIFT * lowest**2 * structure.mass
+    displacement = factorize(shifted, best_backend(shifted.shape[0])).solve(balanced)
+    displacement -= free @ (free.T @ (structure.mass @ displacement))
+    return structure.expand(displacement)[:, None]
 
 
 def _under_normal_loads(

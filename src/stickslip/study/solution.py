@@ -17,10 +17,10 @@ from stickslip.model.layout import Setup
 from stickslip.model.model import Model, build_model
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.study.analyses import solve
 from stickslip.study.assembled import Assembled
 from stickslip.study.disk import DiskOfStudy
 from stickslip.study.gradients import with_gradients
+from stickslip.study.pairs_that_move import solved_with_moving_pairs
 from stickslip.study.record import compare_modes, study_record, with_constant_stiffness, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
 from stickslip.study.stress import StressAtPeak, stress_at_peak
@@ -128,7 +128,7 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
     else:
         table = disk.mode_rows(MODE_COUNT)
     progress.update("Structure", 1.0, f"{model.substructure.size} unknowns, {model.pairs.n_pairs} pairs")
-    response = solve(case, model, progress, threads)
+    model, response = solved_with_moving_pairs(case, model, progress, threads)
     if case.analysis.gradients:
         response = with_gradients(case, model, response, progress, threads)
     record = study_record(case, model, table, response)

@@ -25,8 +25,9 @@ FACTORS = {1.0 / BAND: f"contact stiffness × 1/{BAND:g}", BAND: f"contact stiff
 
 
 def has_stiffness_band(case: Case) -> bool:
-    """Whether a run computes the band: the stiffness of a face follows from its roughness, so nobody measured it."""
-    return case.analysis.stiffness_band and case.has_rough_faces
+    """Whether a run computes the band: the stiffness of a face follows from its roughness, so nobody measured it. Not
+    in the unknowns of the pairs that move with one stiffness."""
+    return case.analysis.stiffness_band and case.has_rough_faces and case.reduction.pairs == "all"
 
 
 @dataclass(frozen=True)

@@ -133,6 +133,12 @@ def require_one_curve(case: Case, of: str) -> None:
             f"mesh. Set it to false for the {of}, and compute the gradients of single cases with stickslip run.",
             ("analysis.gradients",),
         )
+    if case.reduction.pairs == "moving":
+        raise InputError(
+            f'pairs is "moving", but the cases of a {of} share a reduced structure, and other pairs move in each. Set '
+            f'pairs = "all" for the {of}.',
+            ("reduction.pairs",),
+        )
     if case.analysis.kind != "forced":
         raise InputError(
             f'kind is "{case.analysis.kind}", but the table of a {of} contains only forced responses. Set kind = '

@@ -169,6 +169,27 @@ class ContactPairs:
         """The pairs with other constants of their Coulomb law, for example ``residual_traction``. Raises InputError."""
         return ContactPairs.with_laws(self.operator, [replace(self.coulomb, **constants)])
 
+    def subset(self, chosen: BoolArray) -> ContactPairs:
+        """The pairs of a mask (n_pairs,). Raises InputError for one that takes a part of the pairs of a law without
+        friction, whose force has no linear part."""
+        laws, members, place = [], [], np.cumsum(chosen) - 1
+        for law, group in zip(self.laws, self.members, strict=True):
+            own = chosen[group]
+            if isinstance(law, FrictionLaw):
+                law = law.subset(own)
+            elif not own.all():
+                raise InputError(
+                    f'the pairs of the law "{law.name}" always move, because its force is not that of springs; give '
+                    "all of them in moving.",
+                    arguments=["moving"],
+                )
+            laws.append(law)
+            members.append(place[group[own]])
+        present = [each for each, group in enumerate(members) if group.size]
+        return ContactPairs.with_laws(
+            self.operator[np.repeat(chosen, 3)], [laws[each] for each in present], [members[each] for each in present]
+        )
+
     @property
     def n_pairs(self) -> int:
         """Number of contact pairs."""

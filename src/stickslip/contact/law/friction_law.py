@@ -52,6 +52,12 @@ class FrictionLaw(TractionAtRest):
         if self.residual_traction is not None:
             object.__setattr__(self, "residual_traction", self._admissible(self.residual_traction))
 
+    def subset(self, chosen: BoolArray) -> Self:
+        """The law of the pairs of a mask (p,)."""
+        names = (*self.per_pair, "tangential_stiffness", "residual_traction")
+        arrays = {name: getattr(self, name) for name in names}
+        return cast(Self, replace(cast(Any, self), **{n: a if a is None else a[chosen] for n, a in arrays.items()}))
+
     @abstractmethod
     def _require_rest(self) -> None:
         """Raise InputError for a normal load or gap that the law does not have."""

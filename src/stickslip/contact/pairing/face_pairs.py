@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse
+from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, positive_number, require_positive
@@ -153,6 +154,10 @@ class FacePairs:
         """(k,) the nodes of all pairs, each once and in order: the contact part of a boundary set."""
         used = [getattr(self, f"{side}_nodes")[self._weights(side) != 0.0] for side in ("first", "second")]
         return np.unique(np.concatenate(used)).astype(np.int64)
+
+    def subset(self, chosen: NDArray[np.bool_]) -> FacePairs:
+        """The pairs of a mask (n_pairs,), with the same numbers of faces."""
+        return FacePairs(*(getattr(self, item.name)[chosen] for item in fields(FacePairs)))
 
     @staticmethod
     def concatenate(parts: Sequence[FacePairs]) -> FacePairs:

@@ -31,7 +31,7 @@ def write_superelement(path: str | PathLike[str], superelement: Superelement) ->
     require_no_gyroscopic(superelement, "the exchange format")
     if superelement.joint_rows is not None:
         raise InputError(
-            f"superelement contains the relative displacements of {superelement.joint_unknowns.size // 3} contact "
+            f"superelement contains the relative displacements of {superelement.joint_rows.shape[0] // 3} contact "
             "pairs as unknowns, which the exchange format does not contain. Reduce to all nodes of the pairs with "
             "craig_bampton.",
             arguments=["superelement"],

@@ -135,6 +135,11 @@ class SectorBalances:
         return SectorLimit(lambda order: self.stuck.of_order(order).free, self.stuck)
 
     @property
+    def shown_free(self) -> SectorLimit:
+        """The sector without contact, of results."""
+        return self.free
+
+    @property
     def equation(self) -> SectorEquation:
         """The terms of the equation of motion."""
         return SectorEquation(self.stuck)

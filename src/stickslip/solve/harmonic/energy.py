@@ -75,7 +75,10 @@ class StructureEquation:
 
     def elastic_force(self, displacement: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""
-        return _product(displacement, self.superelement.stiffness)
+        force, on_mean = _product(displacement, self.superelement.stiffness), self.superelement.mean_structure()
+        if on_mean is not self.superelement:
+            force[:, 0] = displacement[:, 0] @ on_mean.stiffness
+        return force
 
     def viscous_term(self, displacement: FloatArray) -> FloatArray:
         """See :class:`EquationOfMotion`."""

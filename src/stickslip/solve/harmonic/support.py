@@ -145,6 +145,7 @@ def mean_factor(
         pairs.undetermined(),
         restrained(pairs),
     )
+    superelement = superelement.mean_structure()
     without_friction = factor_without_friction(superelement, pairs) if known is None else known.without_friction
     restraint = MEAN_RESTRAINT if without_friction is None and restricted.any() else 0.0
     if without_friction is not None and (undetermined == pairs.frictional()).all():
@@ -157,7 +158,7 @@ def mean_factor(
 def factor_without_friction(superelement: Superelement, pairs: ContactPairs) -> StaticFactor | None:
     """The factor without the springs of friction, None where some body would move freely."""
     springs = pairs.resting_stiffness().reshape(-1, 3)
-    return StaticFactor.attempt(superelement, pairs, springs * ~pairs.frictional())
+    return StaticFactor.attempt(superelement.mean_structure(), pairs, springs * ~pairs.frictional())
 
 
 def needs_friction(superelement: Superelement, pairs: ContactPairs, stuck: StaticFactor) -> bool:
