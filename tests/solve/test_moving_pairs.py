@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.cubic_spring import CubicSpring
 from stickslip.core.validation import FloatArray
 from stickslip.solve import moving_pairs
 from stickslip.solve.moving_pairs import estimated_moving_pairs
@@ -59,3 +60,11 @@ def test_at_least_the_pair_that_moves_first_is_given(monkeypatch: pytest.MonkeyP
     assert moving([1e6, 1e7], 1e-3, 1e-2, (10.0, 20.0)) == [True, False]
     monkeypatch.setattr(moving_pairs, "DOUBLINGS", 1)
     assert moving([1e300, 1e300], 1e-3, 1e-2) == [True, True]
+
+
+def test_pairs_of_laws_without_friction_always_move() -> None:
+    springs = CubicSpring(np.full((1, 3), STIFFNESS), np.zeros((1, 3)))
+    friction = joint(np.array([1e6, 1e7]))
+    pairs = ContactPairs.with_laws(np.tile([[1.0], [0.0], [0.0]], (3, 1)), [friction.coulomb, springs])
+    found = estimated_moving_pairs(pairs, np.array([OMEGA]), np.array([1e-3]), np.array([1e-2]), (900.0, 1100.0))
+    assert found.tolist() == [True, False, True]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.friction_law import FrictionLaw
 from stickslip.core.validation import FloatArray
 
 # chosen: on the amplitude, for what the fixed shape of the mode does not contain.
@@ -40,6 +41,8 @@ def estimated_moving_pairs(
 ) -> NDArray[np.bool_]:
     """(n_pairs,) the pairs that can move in a range of circular frequencies, at least those that move first.
 
+    Pairs of laws without friction, whose force has no linear part, are always among them.
+
     Parameters
     ----------
     pairs:
@@ -59,7 +62,12 @@ def estimated_moving_pairs(
         for j in reached
     ]
     moving = np.any([mode.moving(MARGIN * mode.amplitude()) for mode in modes], axis=0)
-    return moving if moving.any() else max(modes, key=lambda mode: mode.force).first_moving()
+    if not moving.any():
+        moving = max(modes, key=lambda mode: mode.force).first_moving()
+    for law, members in zip(pairs.laws, pairs.members, strict=True):
+        if not isinstance(law, FrictionLaw):
+            moving[members] = True
+    return moving
 
 
 class _Mode:

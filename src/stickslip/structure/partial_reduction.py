@@ -28,7 +28,7 @@ from stickslip.structure.joined import NodePairs
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.relative_model import RelativeModel
-from stickslip.structure.relative_reduction import relative_model, relative_superelement
+from stickslip.structure.relative_reduction import relative_superelement
 from stickslip.structure.superelement import Superelement
 
 BLOCK = 64  # chosen: columns of the basis in memory at a time
@@ -127,9 +127,9 @@ def _reduced(
     threads: int,
     progress: ProgressCallback | None,
 ) -> Superelement:
-    """The reduction to other nodes and pairs: to their relative displacements where that saves time."""
+    """The reduction to other nodes and pairs, to their relative displacements where each has an own node."""
     if len(pairs.first_nodes):
-        relative = relative_model(structure, pairs, other_nodes)
+        relative = RelativeModel.of(structure, pairs, other_nodes)
         if relative is not None:
             return relative_superelement(relative, pairs, other_nodes, n_modes, "superlu", threads, progress)
     nodes = np.union1d(pairs.nodes, other_nodes).astype(np.int64)

@@ -117,12 +117,13 @@ class Recovery:
         inside = self._interior
         beside = shapes[inside] + self._solve(self._coupling() @ shapes[self._boundary])
         stiffness, mass = (matrix[inside][:, inside] for matrix in (self._structure.stiffness, self._structure.mass))
-        span = np.hstack([self.modes, beside])
-        span /= np.sqrt(np.einsum("ij,ij->j", span, mass @ span))
-        squares, turns = scipy.linalg.eigh(span.T @ (mass @ span))
-        chosen = squares > SAME_SHAPE * squares[-1]
-        basis = span @ (turns[:, chosen] / np.sqrt(squares[chosen]))
-        modes = basis @ scipy.linalg.eigh(basis.T @ (stiffness @ basis))[1]
+        beside /= np.sqrt(np.einsum("ij,ij->j", beside, mass @ beside))
+        for _ in range(2):  # the second time for round-off; no direction of the modes is lost
+            beside = beside - self.modes @ (self.modes.T @ (mass @ beside))
+        squares, turns = scipy.linalg.eigh(beside.T @ (mass @ beside))
+        chosen = squares > SAME_SHAPE
+        basis = np.hstack([self.modes, beside @ (turns[:, chosen] / np.sqrt(squares[chosen]))])
+        modes = basis @ scipy.linalg.eigh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))[1]
         changed = copy(self)
         changed.modes, changed._factor = modes, self._factor  # a copy has no factor, as a pickled one
         return changed
