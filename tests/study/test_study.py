@@ -240,7 +240,7 @@ def test_a_disk_that_fills_up_after_the_results_keeps_them(tmp_path: Path, monke
 
 
 def test_too_little_room_is_found_before_solving(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solution, "solve", None)
+    monkeypatch.setattr(solution, "solved_with_moving_pairs", None)
     usage = SimpleNamespace(free=11_500_000)  # enough at the start, not for the results of this model
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
     with rejects(OutputError):

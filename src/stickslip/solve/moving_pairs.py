@@ -61,7 +61,7 @@ def estimated_moving_pairs(
         _Mode(pairs, pairs.operator[:, j], float(circular_frequency[j]), float(modal_force[j]), float(damping_ratio[j]))
         for j in reached
     ]
-    moving = np.any([mode.moving(MARGIN * mode.amplitude()) for mode in modes], axis=0)
+    moving = np.asarray(np.any([mode.moving(MARGIN * mode.amplitude()) for mode in modes], axis=0))
     if not moving.any():
         moving = max(modes, key=lambda mode: mode.force).first_moving()
     for law, members in zip(pairs.laws, pairs.members, strict=True):
