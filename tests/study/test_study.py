@@ -22,7 +22,7 @@ from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.structure.elasticity import Structure
-from stickslip.study import analyses, assembled, solution
+from stickslip.study import analyses, assembled, pairs_that_move, solution
 from stickslip.study import places as run_places
 from stickslip.study import run as study
 from stickslip.study.check import check
@@ -203,7 +203,7 @@ def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
         return response
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr(solution, "solve", solve_and_remove)
+    monkeypatch.setattr(pairs_that_move, "solve", solve_and_remove)
     with rejects(ResultsFileError) as error:
         study.run(quick_case(), tmp_path / "out")
     (retained,) = (tmp_path / "cache").rglob("results.nc")
