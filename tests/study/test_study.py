@@ -195,7 +195,7 @@ def test_the_curve_is_the_same_with_one_and_two_threads(monkeypatch: pytest.Monk
 def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    solve = vars(solution)["solve"]
+    solve = vars(pairs_that_move)["solve"]
 
     def solve_and_remove(*arguments: Any) -> Any:
         response = solve(*arguments)
