@@ -64,7 +64,7 @@ CURVE_TOLERANCE = 1e-4
 MOST_ITERATIONS = 6
 # chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
 # the line between the others more accurate.
-MOST_CURVES, REFINING = 8.0, 0.7
+MOST_CURVES, REFINING = 8.0, 1.2
 # chosen: the same of the peaks that are followed from the whole curves at the minimum.
 CHECKING = 1.0
 # chosen: longest step of a whole curve, of which only the neighbourhood of its peaks is used.

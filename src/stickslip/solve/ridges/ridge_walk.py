@@ -47,8 +47,9 @@ class RidgePoint:
     mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one.
     ``estimates`` are the relative errors by neglected harmonics by the number of harmonics, that of the point the
     largest one; empty where they are not estimated. ``motion`` are all unknowns (2H, n) without the mean, of mass norm
-    1, ``momentum`` is that times the mass matrix, and ``rise`` is the derivative of the logarithm of the amplitude by
-    that of the parameter at fixed lag, not a number where it is not known.
+    1, ``momentum`` is that times the mass matrix, ``rise`` is the derivative of the logarithm of the amplitude by that
+    of the parameter at fixed lag, and ``slip`` the logarithm of the linear peak over the motion at which the first pair
+    slips; the latter two are not a number where they are not known.
     """
 
     parameter: float
@@ -58,6 +59,7 @@ class RidgePoint:
     motion: FloatArray
     momentum: FloatArray
     rise: float = math.nan
+    slip: float = math.nan
     estimates: Mapping[int, float] = field(default_factory=dict)
 
     @classmethod
@@ -152,8 +154,20 @@ class Pace:
     def resolved(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint] = ()) -> RidgePoint:
         """The point with its slope, an estimate of its error, and as many harmonics as the accuracy requires; without
         the latter two if one of the ``earlier`` points is close and has a small error."""
-        accurate = self._accurate(point, stage, earlier)
-        return replace(accurate, rise=stage.with_harmonics(accurate.harmonics).rise(accurate.peak))
+        return self._sloped(self._accurate(point, stage, earlier), stage)
+
+    def between(self, point: RidgePoint, stage: RidgeStage, near: Sequence[RidgePoint]) -> RidgePoint:
+        """As :meth:`resolved`, for a point between two others. It has no estimate of its own if both have one that is
+        small enough: the larger one of them counts."""
+        if all(each.estimates and each.estimates[each.harmonics] < self.accuracy for each in near):
+            return self._sloped(point, stage)
+        return self.resolved(point, stage, near)
+
+    @staticmethod
+    def _sloped(point: RidgePoint, stage: RidgeStage) -> RidgePoint:
+        """The point with its slope and the slip of the linear peak."""
+        rise = stage.with_harmonics(point.harmonics).rise(point.peak)
+        return replace(point, rise=rise, slip=stage.slip(point.mode.number))
 
     def _accurate(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint]) -> RidgePoint:
         """The point with an estimate and enough harmonics. Where all pairs stick nothing is neglected."""
