@@ -64,7 +64,7 @@ CURVE_TOLERANCE = 1e-4
 MOST_ITERATIONS = 6
 # chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
 # the line between the others more accurate.
-MOST_CURVES, REFINING = 8.0, 1.2
+MOST_CURVES, REFINING = 8.0, 1.5
 # chosen: the same of the peaks that are followed from the whole curves at the minimum.
 CHECKING = 1.0
 # chosen: longest step of a whole curve, of which only the neighbourhood of its peaks is used.
@@ -130,10 +130,11 @@ def performance_curve(
         frequency_hz=(window[0] / WIDER, window[1] * WIDER),
         newton=replace(options.newton, max_iterations=MOST_ITERATIONS),
         curve_tolerance=CURVE_TOLERANCE,
-        curve_step=max(options.curve_step, min(accuracy**0.5, CURVE_STEP)),
+        curve_step=max(options.curve_step, min((case.solver.accuracy or 1.0) ** 0.5, CURVE_STEP)),
     )
     stages = CaseStages(family, model, report, threads, options)
-    modes = stages(force, None).modes_between(window)
+    own = stages(force, None)
+    modes = own.modes_between(window)
     one_curve = float(response.iterations.sum() + response.n_points)
     work = Work((MOST_CURVES - REFINING) * one_curve)
     is_coarse = case.solver.accuracy is None or accuracy > DOUBTFUL
@@ -142,7 +143,7 @@ def performance_curve(
         accuracy=min(accuracy, DOUBTFUL),
         most_harmonics=options.harmonics if is_coarse else max(MOST_HARMONICS, options.harmonics),
     )
-    ridges = RidgeMap(stages, bounds, report, pace, lambda value: f"{value:.4g} N", work, modes, AROUND)
+    ridges = RidgeMap(stages, bounds, report, pace, lambda value: f"{value:.4g} N", work, modes, AROUND, own)
     _follow_response(ridges, found, force, response, options.harmonics)
     ridges.verified.add(force)  # by the curve of the study
     ridges.add_stuck(bounds[1])
@@ -194,7 +195,7 @@ def _open_below(rise: RiseBelow, start: float, lowest: float) -> tuple[str, ...]
     return (
         f"The curve begins at {start:.3g} N. There the highest peak is {rise.at_end:.2f} times its lowest value with "
         f"slip, and without contact it is {rise.free:.2f} times that value. Lighter dampers bounce, so a lower minimum "
-        f"below {start:.3g} N is not excluded. A ridge over {KEY} from {lowest:.3g} N shows the peaks there.",
+        f"below {start:.3g} N is not excluded. A ridge over {KEY} from {lowest:.4g} N shows the peaks there.",
     )
 
 

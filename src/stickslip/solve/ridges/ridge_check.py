@@ -109,7 +109,7 @@ def highest_of(stage: RidgeStage, candidates: Sequence[CurvePeak], accuracy: flo
     for peak in sorted(candidates, key=lambda each: -each.amplitude):
         own = stage.with_harmonics(peak.harmonics)
         highest = max((other.amplitude for other, _ in known), default=0.0)
-        if peak.amplitude * (1.0 + own.estimated_error(peak)) > highest:
+        if not known or peak.amplitude * (1.0 + own.estimated_error(peak)) > highest:
             refined, errors = own.refined(peak, accuracy, MOST_HARMONICS)
             known.append((refined, errors[refined.harmonics]))
     best, error = max(known, key=lambda each: each[0].amplitude)

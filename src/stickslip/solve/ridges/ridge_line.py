@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,9 +23,6 @@ from stickslip.solve.ridges.ridge_walk import RidgePoint
 
 # chosen: distance in the logarithm of the parameter of a node of the excitation from a peak that it does not lower.
 NEARBY = 0.1
-# chosen: a point at the corner is before it by this fraction of the motion, on the side where the slope is that of the
-# linear peak. Directions of slip and samples make the place of the corner uncertain by 0.2 %.
-BEFORE_SLIP = 0.995
 
 
 @dataclass(frozen=True)
@@ -72,7 +68,7 @@ class RidgeLine:
 
         From the smaller distance of both points from the line through all others, because a corner beside one of them
         is none between them; and from the difference to the line with slopes of neighbours. Without known slopes, from
-        the larger distance. Linear peaks have no corner, and the errors are those of smooth curves.
+        the larger distance. Linear peaks have no corner: their errors are those of smooth curves, from the larger one.
         """
         if self.places.size < MORE_THAN_TWO:
             return np.zeros(self.places.size - 1)
@@ -83,28 +79,11 @@ class RidgeLine:
         errors = np.where(known[:-1] & known[1:], smaller, larger)
         differences = slope_differences(self.places, self.heights, self.slopes)
         smooth = self.linear[:-1] & self.linear[1:]
-        errors = np.where(smooth, errors * ERROR_OF_LEFT_OUT / ERROR_OF_SMOOTH, np.maximum(errors, differences))
+        errors = np.where(smooth, larger * ERROR_OF_LEFT_OUT / ERROR_OF_SMOOTH, np.maximum(errors, differences))
         # Beside a node of the excitation the logarithm has no bound: there the error is one of the higher peaks nearby.
         near = np.abs(self.places[:, None] - self.places) < NEARBY
         lowered = self.heights - np.where(near, self.heights, -np.inf).max(axis=1)
         return np.asarray(errors * np.exp(np.maximum(lowered[:-1], lowered[1:])))
-
-
-def place_between(low: RidgePoint, high: RidgePoint, least: float) -> float:
-    """The logarithm of the parameter at which a further point makes the line between two others most accurate.
-
-    Where the linear peak begins to slip the ridge has a corner: there, by a power law, unless that place is closer to
-    one of them than ``least``. Elsewhere in the middle.
-    """
-    places, slips = (
-        [math.log(p.parameter) for p in (low, high)],
-        [p.slip - math.log(BEFORE_SLIP) for p in (low, high)],
-    )
-    if slips[0] * slips[1] < 0.0:
-        place = places[0] + slips[0] / (slips[0] - slips[1]) * (places[1] - places[0])
-        if min(place - places[0], places[1] - place) > least:
-            return place
-    return 0.5 * (places[0] + places[1])
 
 
 @dataclass

@@ -16,7 +16,7 @@ from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.ridges import ridge_coverage as cover
-from stickslip.solve.ridges.ridge_line import Ridge, place_between
+from stickslip.solve.ridges.ridge_line import Ridge
 from stickslip.solve.ridges.ridge_result import ridge_result
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
@@ -40,7 +40,8 @@ class RidgeMap:
 
     ``stage_at`` gives the equations at a value, ``named`` a value in words; ``work`` limits the work; ``modes`` are the
     numbers from 0 of the stuck modes whose linear peaks count, None for all. Whole curves go beyond all linear peaks
-    and ridges by the factor ``around``, None for the whole range of frequencies.
+    and ridges by the factor ``around``, None for the whole range of frequencies. The first equations have the modes of
+    an ``earlier`` stage where they are the same.
     """
 
     def __init__(
@@ -53,9 +54,10 @@ class RidgeMap:
         work: Work | None = None,
         modes: frozenset[int] | None = None,
         around: float | None = None,
+        earlier: RidgeStage | None = None,
     ) -> None:
         self._make_stage = stage_at
-        self._earlier: RidgeStage | None = None
+        self._earlier = earlier
         self._stage_at = lru_cache(maxsize=2)(self._counted_stage)
         self.work = work or Work()
         self._modes, self._around = modes, around
@@ -213,14 +215,13 @@ class RidgeMap:
 
     def _inaccurate(self, ridge: Ridge) -> Iterator[tuple[float, Ridge, float, int]]:
         """Intervals between points that matter with an error above the accuracy: the error times the length, which
-        is the area between two lines, with the value for a further point and the number of each."""
+        is the area between two lines, with the middle and the number of each."""
         points, line = ridge.points, ridge.line
         errors, lengths = line.interval_errors(), np.diff(line.places)
         for i in np.flatnonzero(errors > self._pace.interpolation_error).tolist():
             matters = max(self._fraction_of_highest(each) for each in points[i : i + 2]) >= NEAR_HIGHEST
-            if matters and lengths[i] > 2.0 * self._pace.smallest_step:
-                value = math.exp(place_between(points[i], points[i + 1], self._pace.smallest_step))
-                yield float(errors[i] * lengths[i]), ridge, value, i
+            if matters and lengths[i] > self._pace.smallest_step:
+                yield float(errors[i] * lengths[i]), ridge, math.exp(0.5 * (line.places[i] + line.places[i + 1])), i
 
     def check_ends(self) -> None:
         """Compute a whole curve beyond each ridge that ends inside the range as the highest one. If it has larger

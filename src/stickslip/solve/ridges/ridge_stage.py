@@ -29,7 +29,6 @@ from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane, Step
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.ridges.ridge_slope import rise_of_peak
-from stickslip.solve.ridges.slip_onset import slip_begins
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
@@ -208,15 +207,6 @@ class RidgeStage:
             found = [each for each in self.stuck_peaks(frozenset({mode})) if each.bracketed]
             self._stuck_peaks[mode] = found[0] if found else None
         return self._stuck_peaks[mode]
-
-    def slip(self, mode: int) -> float:
-        """Logarithm of the linear peak of a stuck mode over the motion at which the first pair slips; not a number
-        without a peak, or if no pair can slip."""
-        peak = self.stuck_peak(mode)
-        if peak is None:
-            return math.nan
-        begins = float(slip_begins(self.balances, peak).min(initial=math.inf))
-        return -math.log(begins) if math.isfinite(begins) else math.nan
 
     def linear_point(self, frequency_hz: float) -> BalancePoint:
         """The motion with all pairs stuck, a point of the frequency curve if no pair slips in it."""

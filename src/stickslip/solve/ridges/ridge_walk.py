@@ -47,9 +47,8 @@ class RidgePoint:
     mode. ``stuck_amplitude`` is that of the linear peak of the mode with all pairs stuck, NaN without one.
     ``estimates`` are the relative errors by neglected harmonics by the number of harmonics, that of the point the
     largest one; empty where they are not estimated. ``motion`` are all unknowns (2H, n) without the mean, of mass norm
-    1, ``momentum`` is that times the mass matrix, ``rise`` is the derivative of the logarithm of the amplitude by that
-    of the parameter at fixed lag, and ``slip`` the logarithm of the linear peak over the motion at which the first pair
-    slips; the latter two are not a number where they are not known.
+    1, ``momentum`` is that times the mass matrix, and ``rise`` is the derivative of the logarithm of the amplitude by
+    that of the parameter at fixed lag, not a number where it is not known.
     """
 
     parameter: float
@@ -59,7 +58,6 @@ class RidgePoint:
     motion: FloatArray
     momentum: FloatArray
     rise: float = math.nan
-    slip: float = math.nan
     estimates: Mapping[int, float] = field(default_factory=dict)
 
     @classmethod
@@ -165,9 +163,8 @@ class Pace:
 
     @staticmethod
     def _sloped(point: RidgePoint, stage: RidgeStage) -> RidgePoint:
-        """The point with its slope and the slip of the linear peak."""
-        rise = stage.with_harmonics(point.harmonics).rise(point.peak)
-        return replace(point, rise=rise, slip=stage.slip(point.mode.number))
+        """The point with its slope."""
+        return replace(point, rise=stage.with_harmonics(point.harmonics).rise(point.peak))
 
     def _accurate(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint]) -> RidgePoint:
         """The point with an estimate and enough harmonics. Where all pairs stick nothing is neglected."""

@@ -125,7 +125,7 @@ def _onset(
         return SlipOnset(stuck, free, None, None, "there is no stuck peak among the first modes.")
     if not is_damped:
         return SlipOnset(stuck, free, None, None, "there is no viscous damping, so the stuck peak has no bound.")
-    begins = np.sort(slip_begins(balances, stuck))
+    begins = np.sort(_slip_begins(balances, stuck))
     if not np.isfinite(begins).any():
         return SlipOnset(stuck, free, None, None, "no pair with Coulomb friction moves at the stuck peak.")
     first, last = float(begins[0]), float(np.quantile(begins, NEARLY_ALL, method="higher"))
@@ -147,10 +147,10 @@ def _window(limits: tuple[Limit, Limit]) -> tuple[float, float]:
     return BELOW * min(float(each[0]) for each in elastic), BEYOND * max(float(each[:MODES][-1]) for each in elastic)
 
 
-def slip_begins(balances: CurveBalances, peak: Peak) -> FloatArray:
+def _slip_begins(balances: CurveBalances, peak: Peak) -> FloatArray:
     """(n,) motion over that of a stuck peak at which each pair begins to slip; infinite for a pair that does not move.
 
-    Coulomb pairs that are closed at rest count. The smallest value is 1 where the linear peak ends to be a solution.
+    Coulomb pairs that are closed at rest count.
     """
     pairs, omega = balances.shown_pairs, 2.0 * math.pi * peak.frequency_hz
     motion = balances.closed.response_to(np.array([omega]), balances.force)[0]
