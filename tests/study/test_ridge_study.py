@@ -12,10 +12,11 @@ from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import RoughnessError, StudyFileError
 from stickslip.results.storage import load_results
+from stickslip.solve.ridges.ridge_coverage import RiseBelow
 from stickslip.study import analyses
 from stickslip.study import run as study
 from stickslip.study.check import check
-from stickslip.study.performance_curve import has_performance_curve
+from stickslip.study.performance_curve import _open_below, has_performance_curve
 from stickslip.study.ridge import ridge
 from sweep_cases import quick_case
 
@@ -187,3 +188,10 @@ def test_keys_of_a_ridge_belong_to_its_kind() -> None:
         Case.from_text('[analysis]\nover = "friction.coefficient"\n')
     with rejects(StudyFileError, "analysis.mode"):
         Case.from_text('[analysis]\nkind = "ridge"\nmode = 2\n')
+
+
+def test_a_curve_whose_peak_rises_little_at_its_lower_end_says_so() -> None:
+    (sentence,) = _open_below(RiseBelow(1.33, 1.33, 4.34), 60.0, 15.25)
+    printed_sentence(sentence)
+    assert _open_below(RiseBelow(2.6, 2.6, 4.34), 60.0, 15.25) == ()
+    assert _open_below(RiseBelow(1.33, 1.33, 4.34), 15.25, 15.25) == ()

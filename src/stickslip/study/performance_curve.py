@@ -23,6 +23,7 @@ from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.ridges.ridge_check import checked_minimum
+from stickslip.solve.ridges.ridge_coverage import RiseBelow
 from stickslip.solve.ridges.ridge_map import LEAST_FRACTION, RidgeMap
 from stickslip.solve.ridges.ridge_stage import Work
 from stickslip.solve.ridges.ridge_walk import Pace
@@ -33,7 +34,7 @@ KEY = "preload.centrifugal_force"
 NAME = "centrifugal force over excitation force"
 # chosen: centrifugal force over excitation force from before the optimum of most dampers to where they are stuck. The
 # lower end moves on to the least ratio, until the peak rises below its minimum; a lighter damper bounces, and takes
-# long.
+# long: below 60 N the rough casting takes eight times the time of its frequency curve, all above 1.8 times the minimum.
 LOWEST_RATIO, HIGHEST_RATIO = 0.2, 30.0
 LEAST_RATIO = 0.02
 # chosen: peaks move with the force, so the range of frequencies is that of the study and a fifth more on both sides.
@@ -63,11 +64,10 @@ CURVE_TOLERANCE = 1e-4
 MOST_ITERATIONS = 6
 # chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
 # the line between the others more accurate.
-MOST_CURVES, REFINING = 8.0, 0.7
+MOST_CURVES, REFINING = 8.0, 1.5
 # chosen: the same of the peaks that are followed from the whole curves at the minimum.
 CHECKING = 1.0
-# chosen: longest step of a whole curve, of which only the neighbourhood of its peaks is used, in studies with an
-# accuracy.
+# chosen: longest step of a whole curve, of which only the neighbourhood of its peaks is used.
 CURVE_STEP = 0.14
 # chosen: whole curves go beyond all linear peaks and ridges by this factor.
 AROUND = 1.03
@@ -126,25 +126,26 @@ def performance_curve(
     found = _high_peaks(model, response)
     options = ridge_options(case, TOLERANCE, _harmonics_of(found, response))
     window = min(options.frequency_hz), max(options.frequency_hz)
+    accuracy = case.solver.accuracy or DOUBTFUL
     options = replace(
         options,
         frequency_hz=(window[0] / WIDER, window[1] * WIDER),
         newton=replace(options.newton, max_iterations=MOST_ITERATIONS),
         curve_tolerance=CURVE_TOLERANCE,
-        curve_step=max(options.curve_step, min((case.solver.accuracy or 0.0) ** 0.5, CURVE_STEP)),
+        curve_step=max(options.curve_step, min((case.solver.accuracy or 1.0) ** 0.5, CURVE_STEP)),
     )
     stages = CaseStages(family, model, report, threads, options)
-    modes = stages(force, None).modes_between(window)
+    own = stages(force, None)
+    modes = own.modes_between(window)
     one_curve = float(response.iterations.sum() + response.n_points)
     work = Work((MOST_CURVES - REFINING) * one_curve)
-    accuracy = case.solver.accuracy
-    is_coarse = accuracy is None or accuracy > DOUBTFUL
+    is_coarse = case.solver.accuracy is None or accuracy > DOUBTFUL
     pace = replace(
         PACE,
-        accuracy=min(accuracy or DOUBTFUL, DOUBTFUL),
+        accuracy=min(accuracy, DOUBTFUL),
         most_harmonics=options.harmonics if is_coarse else max(MOST_HARMONICS, options.harmonics),
     )
-    ridges = RidgeMap(stages, bounds, report, pace, lambda value: f"{value:.4g} N", work, modes, AROUND)
+    ridges = RidgeMap(stages, bounds, report, pace, lambda value: f"{value:.4g} N", work, modes, AROUND, own)
     _follow_response(ridges, found, force, response, options.harmonics)
     ridges.verified.add(force)  # by the curve of the study
     ridges.add_stuck(bounds[1])
@@ -153,7 +154,7 @@ def performance_curve(
     work.most = work.done + REFINING * one_curve
     ridges.refine()
     work.most = work.done + CHECKING * one_curve
-    check = checked_minimum(ridges, lambda value: stages(value, None), pace.accuracy)
+    check = checked_minimum(ridges, pace.accuracy)
     curve = _with_check(ridges.result(KEY, "N", next(iter(model.outputs))), check).over(excitation, NAME, "")
     settings = {
         **curve.settings,
@@ -167,6 +168,7 @@ def performance_curve(
         warnings=(
             *curve.warnings,
             *_beginning(float(curve.start) * excitation, lowest, min(least, force)),
+            *_open_below(ridges.rise_below(), float(curve.start) * excitation, lowest),
         ),
     )
 
@@ -185,6 +187,17 @@ def _beginning(start: float, lowest: float, wanted: float) -> tuple[str, ...]:
     return (
         f"Below {lowest:.3g} N all contact spots of the rough faces are plastic. There the fractal law jumps or has no "
         "stiffness, so the curve begins there.",
+    )
+
+
+def _open_below(rise: RiseBelow, start: float, lowest: float) -> tuple[str, ...]:
+    """A sentence on a curve that ends above the lowest possible force before its peak has risen far."""
+    if start <= lowest or rise.is_certain:
+        return ()
+    return (
+        f"The curve begins at {start:.3g} N. There the highest peak is {rise.at_end:.2f} times its lowest value with "
+        f"slip, and without contact it is {rise.free:.2f} times that value. Lighter dampers bounce, so a lower minimum "
+        f"below {start:.3g} N is not excluded. A ridge over {KEY} from {lowest:.4g} N shows the peaks there.",
     )
 
 

@@ -10,6 +10,7 @@ from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.solve.harmonic.damping import (
     DAMPED_RANGE,
+    _uncoupled,
     changed_basis,
     damping_root,
     diagonal_modal_damping,
@@ -38,6 +39,20 @@ def test_modes_of_other_springs_follow_from_known_ones(blade: Blade) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-7)
     np.testing.assert_allclose(shapes.T @ mass @ shapes, np.eye(found.size), atol=1e-9)
     np.testing.assert_allclose(shapes.T @ stiffness @ shapes, np.diag(found**2), atol=1e-9 * float(found[-1]) ** 2)
+
+
+def test_modes_that_springs_do_not_couple_are_those_of_the_whole_problem() -> None:
+    """Two equal chains of three masses with springs to the ground, in symmetric and antisymmetric modes."""
+    chain = np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.5]])
+    stiffness = np.kron(np.eye(2), chain) + np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag([-0.2, 0.0, 0.0]))
+    frequency, modes = modal_basis(np.eye(6), stiffness)
+    for springs, blocks in (([1.0, 0.5, 0.3, 1.0, 0.5, 0.3], 2), ([1.0, 0.5, 0.3, 0.9, 0.2, 0.3], 1)):
+        known = np.diag(frequency**2) + modes.T @ (np.array(springs)[:, None] * modes)
+        assert len(_uncoupled(known)) == blocks
+        found, shapes = changed_basis(frequency, modes, modes, np.array(springs))
+        whole = stiffness + np.diag(springs)
+        np.testing.assert_allclose(found**2, np.linalg.eigvalsh(whole), rtol=1e-9)
+        np.testing.assert_allclose(shapes.T @ whole @ shapes, np.diag(found**2), atol=1e-9)
 
 
 def test_bench_damping_is_two_per_mille_on_the_stuck_modes(blade: Blade) -> None:

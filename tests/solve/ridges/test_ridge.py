@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -54,6 +55,26 @@ def test_a_search_finds_the_peak_of_a_linear_resonance() -> None:
         assert peak.amplitude == pytest.approx(linear_peak(1.0, OMEGA[0]), rel=2e-5)
         assert -1.5 < peak.curvature < -0.9  # a difference of the slopes -tan(lag)
         assert not peak.is_corner
+
+
+def test_a_sharp_curvature_of_close_points_ends_no_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Samples blur it: slopes 0.06 and 0.05 at points 0.001 rad apart feign -10, and the peak is 0.12 % higher."""
+    stage = stage_of(two_resonances((1.0, 0.0)), np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16)
+    search = stage.search
+    probe = search._probe(stage.linear_point(10.0), 0)
+    slopes = {0.0: 0.06, 0.001: 0.05, 0.06: 0.0}
+    steps: list[float] = []
+
+    def moved(last: Probe, step: float) -> Probe:
+        steps.append(step)
+        lag = (0.001, 0.06)[len(steps) - 1]
+        return replace(last, slope=slopes[lag], lag=lag)
+
+    monkeypatch.setattr(search, "_moved", moved)
+    peak = search._search(replace(probe, slope=slopes[0.0], lag=0.0), -10.0)
+    assert isinstance(peak, CurvePeak)
+    assert len(steps) == 2
+    assert peak.probe.slope == 0.0
 
 
 def test_a_search_far_from_a_peak_gives_a_reason() -> None:
@@ -295,3 +316,11 @@ def test_a_slope_is_not_known_where_the_structure_changes() -> None:
     )
     assert math.isnan(stage.rise(peak_of(stage)))
     assert stage_of(problem, np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16).changed is None
+
+
+def test_a_point_between_two_with_small_estimates_has_none_of_its_own() -> None:
+    stage = stage_of(two_resonances((1.0, 0.0)), np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16)
+    pace, point = Pace(accuracy=0.01, most_harmonics=1), RidgePoint.start(1.0, peak_of(stage), stage)
+    small, large = (replace(point, estimates={1: error}) for error in (0.005, 0.02))
+    assert pace.between(point, stage, [small, small]).estimates == {}
+    assert pace.between(point, stage, [small, large]).estimates

@@ -108,17 +108,23 @@ def test_a_peak_that_could_be_as_high_has_more_harmonics_too() -> None:
 
 
 class Map:
-    """A stand-in of a ridge map, whose minimum moves along ``places`` with each whole curve."""
+    """A stand-in of a ridge map, whose minimum moves along ``places`` with each curve of its own harmonics; ``checks``
+    are the places of whole curves with more harmonics."""
 
-    def __init__(self, places: list[float | None], seen: bool = True) -> None:
-        self.places, self.curves, self._seen = places, [], seen  # type: ignore[var-annotated]
+    def __init__(self, places: list[float | None], seen: bool = True, highest: float = 1.0) -> None:
+        self.places, self.curves, self._seen, self._highest = places, [], seen, highest  # type: ignore[var-annotated]
         self.verified: set[float] = set()
+        self.checks: list[float] = []
 
     def harmonics_near(self, value: float, least: int) -> int:
         return least
 
-    def curve_window(self, value: float) -> tuple[float, float]:
-        return 1.0, 2.0
+    def highest_at(self, value: float) -> float:
+        return self._highest
+
+    def whole_curve(self, value: float, harmonics: int) -> tuple[Stage, SimpleNamespace]:
+        self.checks.append(value)
+        return Stage({2.0: 0.001}, {}), SimpleNamespace(complete=True, points=[])
 
     def result(self, *names: str) -> SimpleNamespace:
         place = self.places[min(len(self.curves), len(self.places) - 1)]
@@ -133,22 +139,39 @@ class Map:
 PEAK = SimpleNamespace(amplitude=2.0, omega=1.0, harmonics=3)
 
 
-def checked(ridges: Map) -> CheckedPeak | str | None:
-    return checked_minimum(ridges, lambda value: Stage({2.0: 0.001}, {}), 0.01)  # type: ignore[arg-type, return-value]
+def checked(ridges: Map, monkeypatch: pytest.MonkeyPatch) -> CheckedPeak | str | None:
+    monkeypatch.setattr(ridge_check, "_peaks_of_curve", lambda stage, points: [PEAK])
+    return checked_minimum(ridges, 0.01)  # type: ignore[arg-type]
 
 
 def test_a_whole_curve_follows_a_minimum_that_moves(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ridge_check, "_peaks_of_curve", lambda stage, window: [PEAK])
     ridges = Map([1.0, 2.0, 2.005])
-    found = checked(ridges)
+    found = checked(ridges, monkeypatch)
     assert ridges.curves == [1.0, 2.0]
+    assert ridges.checks == [1.0, 2.0]
     assert isinstance(found, CheckedPeak)
     assert (found.parameter, found.amplitude, found.error) == (2.0, 2.0, 0.001)
 
 
-def test_a_minimum_that_is_not_known_has_a_reason() -> None:
-    assert checked(Map([None])) is None
-    for reason in (checked(Map([1.0, 2.0, 3.0, 4.0])), checked(Map([1.0], seen=False))):
+def test_one_curve_is_enough_where_it_has_the_peak_of_the_ridges(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1 % between the peak with more harmonics and that of the ridges; the highest of them all stays verified."""
+    ridges = Map([1.0, 2.0], highest=1.98)
+    found = checked(ridges, monkeypatch)
+    assert isinstance(found, CheckedPeak)
+    assert (found.parameter, ridges.checks, ridges.curves) == (1.0, [1.0], [])
+    assert ridges.verified == {1.0}
+
+
+def test_a_check_is_not_repeated_where_the_minimum_does_not_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    ridges = Map([1.0, 1.0])
+    assert isinstance(checked(ridges, monkeypatch), CheckedPeak)
+    assert (ridges.curves, ridges.checks) == ([1.0], [1.0])
+
+
+def test_a_minimum_that_is_not_known_has_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert checked(Map([None]), monkeypatch) is None
+    for ridges in (Map([1.0, 2.0, 3.0, 4.0]), Map([1.0], seen=False)):
+        reason = checked(ridges, monkeypatch)
         assert isinstance(reason, str)
         printed_sentence(reason)
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from stickslip.solve.ridges.ridge_coverage import is_enclosed_below, merged, middle_of_gap, passes_through, place_on
+from stickslip.solve.ridges.ridge_coverage import merged, middle_of_gap, passes_through, place_on, rise_below
 from stickslip.solve.ridges.ridge_line import RidgeLine
 
 LOADS = np.array([10.0, 20.0, 40.0, 80.0])
@@ -24,19 +24,32 @@ def test_the_longest_gap_comes_first_and_each_is_tried_once() -> None:
     assert middle_of_gap(followed, {8.0, 2.5}) is None
 
 
-def test_a_minimum_is_enclosed_where_the_peak_rises_below_it() -> None:
+def test_a_minimum_is_enclosed_where_the_peak_rises_far_below_it() -> None:
     stuck = np.zeros(4, dtype=bool)
-    assert is_enclosed_below(LOADS, np.array([3.0, 1.0, 2.0, 3.0]), stuck)
-    assert not is_enclosed_below(LOADS, np.array([2.0, 1.0, 2.0, 9.0]), stuck)
-    assert not is_enclosed_below(LOADS, np.array([1.0, 2.0, 3.0, 4.0]), stuck)
+    assert rise_below(LOADS, np.array([3.0, 1.0, 2.0, 3.0]), stuck, 0.0).is_certain
+    assert not rise_below(LOADS, np.array([2.0, 1.0, 2.0, 9.0]), stuck, 9.0).is_certain
+    assert not rise_below(LOADS, np.array([1.0, 2.0, 3.0, 4.0]), stuck, 9.0).is_certain
+
+
+def test_a_smaller_rise_is_enough_at_the_end_itself_towards_a_higher_free_peak() -> None:
+    """The rough casting: at 60 N its peak is 1.33 times the minimum at 243 N, without contact 4.3 times."""
+    stuck = np.zeros(4, dtype=bool)
+    rise = rise_below(LOADS, np.array([1.33, 1.1, 1.0, 2.0]), stuck, 4.3)
+    assert rise.is_enough
+    assert not rise.is_certain
+    assert (rise.at_end, rise.most, rise.free) == pytest.approx((1.33, 1.33, 4.3))
+    # A dip, a peak that falls towards the end, and one above that without contact.
+    assert not rise_below(LOADS, np.array([1.2, 1.1, 1.0, 2.0]), stuck, 4.3).is_enough
+    assert not rise_below(LOADS, np.array([1.3, 1.4, 1.0, 2.0]), stuck, 4.3).is_enough
+    assert not rise_below(LOADS, np.array([1.33, 1.1, 1.0, 2.0]), stuck, 0.0).is_enough
 
 
 def test_a_stuck_node_of_the_excitation_encloses_nothing() -> None:
     """The notch at 40 is low because the excitation does not reach the mode there, not by friction."""
     highest = np.array([2.0, 1.5, 0.1, 3.0])
-    assert is_enclosed_below(LOADS, highest, np.zeros(4, dtype=bool))
-    assert not is_enclosed_below(LOADS, highest, np.array([False, False, True, False]))
-    assert is_enclosed_below(LOADS, highest, np.ones(4, dtype=bool))
+    assert rise_below(LOADS, highest, np.zeros(4, dtype=bool), 0.0).is_certain
+    assert not rise_below(LOADS, highest, np.array([False, False, True, False]), 0.0).is_certain
+    assert rise_below(LOADS, highest, np.ones(4, dtype=bool), 0.0).is_certain
 
 
 def test_a_ridge_passes_through_a_point_within_its_estimated_error() -> None:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from stickslip.core.errors import ConvergenceError
 from stickslip.results.checked_peak import CheckedPeak
 from stickslip.results.peaks import peaks
+from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.peak import CurvePeak
+from stickslip.solve.ridges.ridge_coverage import OTHER_HARMONICS
 from stickslip.solve.ridges.ridge_map import RidgeMap
 from stickslip.solve.ridges.ridge_stage import RidgeStage, more_than
 
@@ -24,36 +26,40 @@ MOST_CURVES = 3
 SAME_PLACE = 0.01
 
 
-def checked_minimum(
-    ridges: RidgeMap, stage_at: Callable[[float], RidgeStage], accuracy: float
-) -> CheckedPeak | str | None:
+def checked_minimum(ridges: RidgeMap, accuracy: float) -> CheckedPeak | str | None:
     """The highest peak at the lowest minimum with slip: why it is not known, None without such a minimum.
 
-    A whole curve at the minimum shows peaks that no ridge has. They are followed, and the next curve is at the minimum
-    that remains. A last curve there has more harmonics than the ridges, and its highest peak even more, until its
-    estimated error is below the ``accuracy`` or ``MOST_HARMONICS`` are reached. Raises InputError.
+    A whole curve there has more harmonics than the ridges, and its highest peak even more, until its estimated error is
+    below the ``accuracy`` or ``MOST_HARMONICS`` are reached. If that peak is none of the ridges, whole curves with
+    their harmonics follow: they show peaks that no ridge has. These are followed, and the next curve is at the minimum
+    that remains. There the check is repeated. Raises InputError.
     """
-    value = None
+    value = _minimum(ridges)
+    if value is None:
+        return None
+    found = _check(ridges, value, accuracy)
+    if not isinstance(found, str) and found.amplitude <= (1.0 + OTHER_HARMONICS) * ridges.highest_at(value):
+        ridges.verified.add(value)
+        return found
+    settled = _settled_minimum(ridges, value)
+    if not isinstance(settled, float):
+        return settled
+    return found if settled == value else _check(ridges, settled, accuracy)
+
+
+def _settled_minimum(ridges: RidgeMap, value: float) -> float | str | None:
+    """The minimum whose whole curve shows no peak that moves it, from one at a value; why it is not known."""
     for _ in range(MOST_CURVES):
-        minimum = _minimum(ridges)
-        if minimum is None:
-            return None
-        if value is not None and abs(math.log(minimum / value)) < SAME_PLACE:
-            break
-        value = minimum
         ridges.add_curve(value)
         if value not in ridges.verified:
             return "the whole curve there shows no peak that could be followed."
-    minimum = _minimum(ridges)
-    if minimum is None or value is None or abs(math.log(minimum / value)) >= SAME_PLACE:
-        return f"it moved with each of {MOST_CURVES} whole curves."
-    stage = stage_at(value)
-    stage = stage.with_harmonics(more_than(ridges.harmonics_near(value, stage.harmonics)))
-    found = _peaks_of_curve(stage, ridges.curve_window(value))
-    if isinstance(found, str):
-        return found
-    best, error = highest_of(stage, found, accuracy)
-    return CheckedPeak(value, best.amplitude, best.omega / (2.0 * math.pi), error, best.harmonics)
+        minimum = _minimum(ridges)
+        if minimum is None:
+            return None
+        if abs(math.log(minimum / value)) < SAME_PLACE:
+            return value
+        value = minimum
+    return f"it moved with each of {MOST_CURVES} whole curves."
 
 
 def _minimum(ridges: RidgeMap) -> float | None:
@@ -62,15 +68,23 @@ def _minimum(ridges: RidgeMap) -> float | None:
     return None if minimum is None else minimum.parameter
 
 
-def _peaks_of_curve(stage: RidgeStage, window: tuple[float, float]) -> list[CurvePeak] | str:
-    """The peaks of a whole curve that could be its highest with more harmonics, or why they are not known."""
+def _check(ridges: RidgeMap, value: float, accuracy: float) -> CheckedPeak | str:
+    """The highest peak of a whole curve with more harmonics than the ridges, or why it is not known."""
     try:
-        branch = stage.whole_curve(window)
+        stage, branch = ridges.whole_curve(value, more_than(ridges.harmonics_near(value, 1)))
     except ConvergenceError as failure:
         return str(failure)
     if not branch.complete:
         return f"its frequency curve is not complete. {branch.message}"
-    points = [each.point for each in branch.points]
+    found = _peaks_of_curve(stage, [each.point for each in branch.points])
+    if isinstance(found, str):
+        return found
+    best, error = highest_of(stage, found, accuracy)
+    return CheckedPeak(value, best.amplitude, best.omega / (2.0 * math.pi), error, best.harmonics)
+
+
+def _peaks_of_curve(stage: RidgeStage, points: Sequence[BalancePoint]) -> list[CurvePeak] | str:
+    """The peaks of a whole curve that could be its highest with more harmonics, or why they are not known."""
     hertz = np.array([point.trial.omega for point in points]) / (2.0 * math.pi)
     tops = peaks(hertz, stage.amplitude(points))
     if not tops[0].bracketed:
@@ -95,7 +109,7 @@ def highest_of(stage: RidgeStage, candidates: Sequence[CurvePeak], accuracy: flo
     for peak in sorted(candidates, key=lambda each: -each.amplitude):
         own = stage.with_harmonics(peak.harmonics)
         highest = max((other.amplitude for other, _ in known), default=0.0)
-        if peak.amplitude * (1.0 + own.estimated_error(peak)) > highest:
+        if not known or peak.amplitude * (1.0 + own.estimated_error(peak)) > highest:
             refined, errors = own.refined(peak, accuracy, MOST_HARMONICS)
             known.append((refined, errors[refined.harmonics]))
     best, error = max(known, key=lambda each: each[0].amplitude)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Collection, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,10 @@ from stickslip.solve.ridges.ridge_walk import RidgePoint
 # chosen: the minimum is enclosed below where the highest peak has risen to this multiple of it; the dips of friction
 # dampers beside their optimum are shallower.
 ENCLOSED = 2.5
+# chosen: or to this multiple at the end itself, as the highest peak below the minimum, with a higher one still without
+# contact, to which the peak rises as the load vanishes. Doubtful peaks are wrong by less. Only this is no certainty: a
+# light damper that bounces may have dips (up to 1.45 deep in the rough casting).
+RISEN = 1.25
 # chosen: a gap of more than this factor of the parameter may contain another minimum.
 GAP = 1.03
 
@@ -61,16 +66,39 @@ def middle_of_gap(followed: Sequence[Interval], tried: Collection[float]) -> flo
     return None
 
 
-def is_enclosed_below(parameter: FloatArray, highest: FloatArray, is_stuck: NDArray[np.bool_]) -> bool:
-    """Whether the highest peak rises to ``ENCLOSED`` times its minimum below the value of that minimum.
+class RiseBelow(NamedTuple):
+    """The rise of the highest peak below the value of its minimum, over that minimum.
 
-    ``parameter`` (n,) are points, ``highest`` (n,) the highest peak there. Points at which ``is_stuck``, because no
-    pair slips, are no minimum of a friction damper: there the excitation does not reach the mode. They count if all
-    points are stuck.
+    ``at_end`` is that at the lower end, ``most`` the largest one, ``free`` that of the peak without contact, 0 if that
+    is not known.
+    """
+
+    at_end: float
+    most: float
+    free: float
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether a lower minimum below the lower end is as good as excluded."""
+        return self.most >= ENCLOSED
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether the minimum is enclosed."""
+        return self.is_certain or (self.at_end >= RISEN and self.at_end >= self.most and self.free >= self.at_end)
+
+
+def rise_below(parameter: FloatArray, highest: FloatArray, is_stuck: NDArray[np.bool_], free: float) -> RiseBelow:
+    """The rise of the highest peak below its minimum.
+
+    ``parameter`` (n,) are points, ``highest`` (n,) the highest peak there, ``free`` is the peak without contact at the
+    lower end, 0 if it is not known. Points at which ``is_stuck``, because no pair slips, are no minimum of a friction
+    damper: there the excitation does not reach the mode. They count if all points are stuck.
     """
     moving = ~is_stuck if not is_stuck.all() else np.ones_like(is_stuck)
     best = np.flatnonzero(moving)[int(np.argmin(highest[moving]))]
-    return bool(highest[parameter <= parameter[best]].max() >= ENCLOSED * highest[best])
+    below = highest[parameter <= parameter[best]].max()
+    return RiseBelow(*(float(each / highest[best]) for each in (highest[np.argmin(parameter)], below, free)))
 
 
 def falls_to(ridges: Sequence[Sequence[RidgePoint]], start: float) -> bool:

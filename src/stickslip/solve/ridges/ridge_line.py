@@ -68,7 +68,7 @@ class RidgeLine:
 
         From the smaller distance of both points from the line through all others, because a corner beside one of them
         is none between them; and from the difference to the line with slopes of neighbours. Without known slopes, from
-        the larger distance. Linear peaks have no corner, and the errors are those of smooth curves.
+        the larger distance. Linear peaks have no corner: their errors are those of smooth curves, from the larger one.
         """
         if self.places.size < MORE_THAN_TWO:
             return np.zeros(self.places.size - 1)
@@ -79,7 +79,7 @@ class RidgeLine:
         errors = np.where(known[:-1] & known[1:], smaller, larger)
         differences = slope_differences(self.places, self.heights, self.slopes)
         smooth = self.linear[:-1] & self.linear[1:]
-        errors = np.where(smooth, errors * ERROR_OF_LEFT_OUT / ERROR_OF_SMOOTH, np.maximum(errors, differences))
+        errors = np.where(smooth, larger * ERROR_OF_LEFT_OUT / ERROR_OF_SMOOTH, np.maximum(errors, differences))
         # Beside a node of the excitation the logarithm has no bound: there the error is one of the higher peaks nearby.
         near = np.abs(self.places[:, None] - self.places) < NEARBY
         lowered = self.heights - np.where(near, self.heights, -np.inf).max(axis=1)

@@ -9,15 +9,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError, StickslipError
 from stickslip.core.validation import FloatArray
-from stickslip.results.checked_peak import spread
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.path.continuation import Branch
 from stickslip.solve.ridges import ridge_coverage as cover
 from stickslip.solve.ridges.ridge_line import Ridge
+from stickslip.solve.ridges.ridge_result import ridge_result
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import StageReport
@@ -40,7 +40,8 @@ class RidgeMap:
 
     ``stage_at`` gives the equations at a value, ``named`` a value in words; ``work`` limits the work; ``modes`` are the
     numbers from 0 of the stuck modes whose linear peaks count, None for all. Whole curves go beyond all linear peaks
-    and ridges by the factor ``around``, None for the whole range of frequencies.
+    and ridges by the factor ``around``, None for the whole range of frequencies. The first equations have the modes of
+    an ``earlier`` stage where they are the same.
     """
 
     def __init__(
@@ -53,9 +54,10 @@ class RidgeMap:
         work: Work | None = None,
         modes: frozenset[int] | None = None,
         around: float | None = None,
+        earlier: RidgeStage | None = None,
     ) -> None:
         self._make_stage = stage_at
-        self._earlier: RidgeStage | None = None
+        self._earlier = earlier
         self._stage_at = lru_cache(maxsize=2)(self._counted_stage)
         self.work = work or Work()
         self._modes, self._around = modes, around
@@ -86,10 +88,9 @@ class RidgeMap:
         stage = self._stage_at(value)
         if (free := stage.free_peaks[0]).bracketed:
             self._free[value] = free
-        # A ridge whose points have different numbers of harmonics has false jumps where their errors are large.
-        stage = stage.with_harmonics(self.harmonics_near(value, stage.harmonics))
         try:
-            branch = stage.whole_curve(self.curve_window(value))
+            # A ridge whose points have different numbers of harmonics has false jumps where their errors are large.
+            stage, branch = self.whole_curve(value, self.harmonics_near(value, stage.harmonics))
         except ConvergenceError as error:
             self.warnings.append(f"There is no frequency curve at {self._named(value)}: {error}")
             return
@@ -99,10 +100,18 @@ class RidgeMap:
                 f"missing. {branch.message}"
             )
         points = [each.point for each in branch.points]
-        self.points_of_curves += len(points)
         self.add_peaks(value, points)
-        if branch.complete and stage.amplitude(points).max() <= (1.0 + ABOVE_RIDGES) * self._highest_at(value):
+        if branch.complete and stage.amplitude(points).max() <= (1.0 + ABOVE_RIDGES) * self.highest_at(value):
             self.verified.add(value)
+
+    def whole_curve(self, value: float, harmonics: int) -> tuple[RidgeStage, Branch[BalancePoint]]:
+        """The equations at a value with a number of harmonics, and their frequency curve over :meth:`curve_window`.
+
+        Raises ConvergenceError without a first point, and as the equations themselves."""
+        stage = self._stage_at(value).with_harmonics(harmonics)
+        branch = stage.whole_curve(self.curve_window(value))
+        self.points_of_curves += len(branch.points)
+        return stage, branch
 
     def add_peaks(self, value: float, points: Sequence[BalancePoint]) -> None:
         """Follow the peaks of a curve, given by its points, that are on no ridge yet."""
@@ -202,7 +211,7 @@ class RidgeMap:
                 given_up.add(value)
             else:
                 assert not isinstance(search, str)  # it has a point
-                ridge.points.insert(place + 1, self._pace.resolved(found, search, near))
+                ridge.points.insert(place + 1, self._pace.between(found, search, near))
 
     def _inaccurate(self, ridge: Ridge) -> Iterator[tuple[float, Ridge, float, int]]:
         """Intervals between points that matter with an error above the accuracy: the error times the length, which
@@ -211,7 +220,7 @@ class RidgeMap:
         errors, lengths = line.interval_errors(), np.diff(line.places)
         for i in np.flatnonzero(errors > self._pace.interpolation_error).tolist():
             matters = max(self._fraction_of_highest(each) for each in points[i : i + 2]) >= NEAR_HIGHEST
-            if matters and lengths[i] > 2.0 * self._pace.smallest_step:
+            if matters and lengths[i] > self._pace.smallest_step:
                 yield float(errors[i] * lengths[i]), ridge, math.exp(0.5 * (line.places[i] + line.places[i + 1])), i
 
     def check_ends(self) -> None:
@@ -238,7 +247,7 @@ class RidgeMap:
     def enclose_minimum(self, lowest: float) -> None:
         """Compute whole curves at the lower end and in gaps of the followed range, and follow their peaks.
 
-        The lower end moves down, at most to ``lowest``, until the highest peak has risen well above its minimum. If the
+        The lower end moves down, at most to ``lowest``, until the highest peak has risen above its minimum. If the
         highest ridge falls to the first lower end, that is not the case there, so the first curve is farther down.
         """
         tried: set[float] = set()
@@ -250,7 +259,7 @@ class RidgeMap:
             if value in tried:
                 value = cover.middle_of_gap(followed, tried)
             if value is None:
-                if self._bounds[0] <= lowest or self._is_enclosed():
+                if self._bounds[0] <= lowest or self.rise_below().is_enough:
                     return
                 value = max(lowest, self._bounds[0] / LOWER_BY)
                 self._lower(value)
@@ -269,11 +278,14 @@ class RidgeMap:
             ridge.points[:0] = reversed(part)
             ridge.ends = end, ridge.ends[1]
 
-    def _is_enclosed(self) -> bool:
+    def rise_below(self) -> cover.RiseBelow:
+        """The rise of the highest peak below its minimum."""
         points = [each for ridge in self.ridges for each in ridge.points]
         parameter = np.array([each.parameter for each in points])
         stuck = np.array([each.is_stuck for each in points])
-        return cover.is_enclosed_below(parameter, np.array([self._highest_at(each) for each in parameter]), stuck)
+        highest = np.array([self.highest_at(each) for each in parameter])
+        free = self._free.get(self._bounds[0])
+        return cover.rise_below(parameter, highest, stuck, 0.0 if free is None else free.amplitude)
 
     def _is_highest_known(self, value: float) -> bool:
         """Whether a whole curve at a value has no larger amplitude than the ridges there."""
@@ -299,9 +311,9 @@ class RidgeMap:
 
     def _fraction_of_highest(self, point: RidgePoint) -> float:
         """Amplitude of a point over that of the highest ridge at its value."""
-        return point.peak.amplitude / max(point.peak.amplitude, self._highest_at(point.parameter))
+        return point.peak.amplitude / max(point.peak.amplitude, self.highest_at(point.parameter))
 
-    def _highest_at(self, value: float) -> float:
+    def highest_at(self, value: float) -> float:
         """Amplitude of the highest ridge at a value, 0 where there is none."""
         at, highest = math.log(value), 0.0
         for ridge in self.ridges:
@@ -315,61 +327,21 @@ class RidgeMap:
             reasons = " ".join(self.warnings)
             raise ConvergenceError(f"no peak was found that could be followed over {name}. {reasons}".rstrip())
         self._see_free()
-        points = [each for ridge in self.ridges for each in ridge.points]
-        counts = [np.bincount(each.trial.contact.state, minlength=len(ContactState)) for each in points]
-        stuck, free = (sorted(each.items()) for each in (self._stuck, self._free))
-        start, stop = self._bounds
-        ridge = PeakRidge(
-            parameter=np.array([each.parameter for each in points]),
-            amplitude=np.array([each.peak.amplitude for each in points]),
-            frequency_hz=np.array([each.peak.omega for each in points]) / (2.0 * math.pi),
-            ridge=np.repeat(np.arange(len(self.ridges)), [len(each.points) for each in self.ridges]),
-            is_corner=np.array([each.peak.is_corner for each in points]),
-            curvature=np.array([each.peak.curvature for each in points]),
-            pairs_stuck=np.array([each[ContactState.STUCK] for each in counts]),
-            pairs_stick_slip=np.array([each[ContactState.STICK_SLIP] for each in counts]),
-            pairs_separating=np.array([each[ContactState.SEPARATING] for each in counts]),
-            residual=np.array([each.trial.error for each in points]),
-            iterations=np.array([each.peak.iterations for each in points]),
-            stuck_parameter=np.array([value for value, _ in stuck]),
-            stuck_amplitude=np.array([peak.amplitude for _, peak in stuck]),
-            stuck_frequency_hz=np.array([peak.frequency_hz for _, peak in stuck]),
-            free_parameter=np.array([value for value, _ in free]),
-            free_amplitude=np.array([peak.amplitude for _, peak in free]),
-            free_frequency_hz=np.array([peak.frequency_hz for _, peak in free]),
-            parameter_name=name,
-            parameter_unit=unit,
-            output_name=output_name,
-            start=np.asarray(start),
-            stop=np.asarray(stop),
-            estimated_error=self._errors(),
-            slope=np.concatenate([ridge.line.all_slopes for ridge in self.ridges]),
-            point_harmonics=np.array([each.harmonics for each in points]),
-            unknown=np.array(self._unknown).reshape(-1, 2),
-            ends=tuple(each.ends for each in self.ridges),
-            converged=False,
-            message="",
-            warnings=tuple(self.warnings),
-            settings={},
-            provenance={},
+        found = ridge_result(
+            self.ridges, self._bounds, (self._stuck, self._free), self._unknown, not self._pace.has_fixed_harmonics
         )
-        converged, message = cover.coverage(ridge, self._reasons(), self._named)
+        named = replace(found, parameter_name=name, parameter_unit=unit, output_name=output_name)
+        converged, message = cover.coverage(named, self._reasons(), self._named)
         work: dict[str, str | float | int] = {
             "points_of_searches": self.work.points,
             "points_of_whole_curves": self.points_of_curves,
         }
-        return replace(ridge, converged=converged, message=message, settings=work)
+        return replace(named, converged=converged, message=message, warnings=tuple(self.warnings), settings=work)
 
     def _reasons(self) -> list[str]:
         """Why ridges end, each reason once."""
         found = dict.fromkeys(reason for ridge in self.ridges for reason in ridge.ends)
         return [reason for reason in found if reason not in ("", JOINED)]
-
-    def _errors(self) -> FloatArray | None:
-        """(n_points,) estimated errors of all points, None if none was estimated."""
-        if self._pace.has_fixed_harmonics:
-            return None
-        return np.concatenate([spread([(p.harmonics, p.estimates) for p in ridge.points]) for ridge in self.ridges])
 
     def curve_window(self, value: float) -> tuple[float, float]:
         """The range of frequencies, Hz, of a whole curve: that of all linear peaks and of the ridges there, and the

@@ -152,8 +152,19 @@ class Pace:
     def resolved(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint] = ()) -> RidgePoint:
         """The point with its slope, an estimate of its error, and as many harmonics as the accuracy requires; without
         the latter two if one of the ``earlier`` points is close and has a small error."""
-        accurate = self._accurate(point, stage, earlier)
-        return replace(accurate, rise=stage.with_harmonics(accurate.harmonics).rise(accurate.peak))
+        return self._sloped(self._accurate(point, stage, earlier), stage)
+
+    def between(self, point: RidgePoint, stage: RidgeStage, near: Sequence[RidgePoint]) -> RidgePoint:
+        """As :meth:`resolved`, for a point between two others. It has no estimate of its own if both have one that is
+        small enough: the larger one of them counts."""
+        if all(each.estimates and each.estimates[each.harmonics] < self.accuracy for each in near):
+            return self._sloped(point, stage)
+        return self.resolved(point, stage, near)
+
+    @staticmethod
+    def _sloped(point: RidgePoint, stage: RidgeStage) -> RidgePoint:
+        """The point with its slope."""
+        return replace(point, rise=stage.with_harmonics(point.harmonics).rise(point.peak))
 
     def _accurate(self, point: RidgePoint, stage: RidgeStage, earlier: Sequence[RidgePoint]) -> RidgePoint:
         """The point with an estimate and enough harmonics. Where all pairs stick nothing is neglected."""
