@@ -143,7 +143,7 @@ class Branch(Generic[PointT]):
             correction, turned, length, step = outcome
             self._pace.advance(length)
             reached = parameter_of(correction.point)
-            self._effort.cover(length)
+            self._effort.cover(length, (reached - self._origin) / self._width)
             end = self._end_passed(reached)
             if end is not None:
                 landed = self._corrector.land(point, correction.point, end)
