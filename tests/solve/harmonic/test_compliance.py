@@ -9,7 +9,7 @@ from helpers import Blade
 from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
-from stickslip.solve.harmonic.compliance import stuck_structure
+from stickslip.solve.harmonic.compliance import NEAR_RANGE, stuck_structure
 from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
 from stickslip.solve.harmonic.gain import CoupledGain, DiagonalGain, to_complex
 from stickslip.solve.harmonic.support import MEAN_RESTRAINT
@@ -46,7 +46,7 @@ def test_displacement_equals_direct_solve(blade: Blade, dashpot: float, kind: ty
     """The strongest dashpot stops the iteration over the coupling, so the whole system is factored."""
     superelement = coupled_damping(blade, dashpot) if dashpot else blade.superelement
     omega = 2 * np.pi * 650.0
-    compliance = stuck_structure(superelement, blade.pairs, 0.02 * omega, None).compliance(HARMONICS)
+    compliance = stuck_structure(superelement, blade.pairs, 0.02 * omega, None).compliance(HARMONICS, NEAR_RANGE)
     assert isinstance(compliance.gain, kind)
     assert 0 < compliance.gain.near_modes < superelement.size
     force, deviation = random_load(blade)
@@ -164,3 +164,17 @@ def test_gaps_are_fine_where_other_pairs_support_the_body(blade: Blade) -> None:
     preload = blade.pairs.preload.copy()
     preload[::2] = -1.0
     assert stuck_structure(blade.superelement, blade.pairs_with(preload), 4000.0, None).mean_restraint == 0.0
+
+
+@pytest.mark.parametrize("dashpot", [0.0, 5.0])
+def test_the_newton_matrix_of_a_small_structure_contains_its_fastest_modes(blade: Blade, dashpot: float) -> None:
+    """Contact thousands of times stiffer than the structure uses all digits of the compliance where it opens."""
+    superelement = coupled_damping(blade, dashpot) if dashpot else blade.superelement
+    omega = 2 * np.pi * 650.0
+    compliance = stuck_structure(superelement, blade.pairs, 0.02 * omega, None).compliance(HARMONICS)
+    rows = np.arange(3 * blade.n_pairs)
+    newton = compliance.newton(omega, rows)
+    for h in range(1, HARMONICS + 1):
+        receptance = np.linalg.inv(dynamic_stiffness(superelement, blade, h * omega))
+        expected = blade.operator @ receptance @ blade.operator.T
+        assert np.abs(newton.block(h, rows) - expected).max() < 1e-9 * np.abs(expected).max()

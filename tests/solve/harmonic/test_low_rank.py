@@ -26,7 +26,9 @@ RNG = np.random.default_rng(4)
 
 
 @pytest.fixture
-def balance(blade: Blade) -> Balance:
+def balance(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> Balance:
+    """With modes that are springs in Newton's matrix, as those of a large structure."""
+    monkeypatch.setattr("stickslip.solve.harmonic.compliance.FEW_MODES", 0)
     force = Excitation.force(blade.force_cos, blade.force_sin)
     highest = 2.0 * np.pi * max(blade.window_hz)
     return prepare_balances(

@@ -12,6 +12,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import (
     ITERATIONS_PER_POINT,
+    MOST_IN_SLICE,
     STALL_ITERATIONS,
     STALL_LENGTH,
     ContinuationSettings,
@@ -48,6 +49,32 @@ def test_a_branch_that_hardly_advances_ends_with_a_sentence() -> None:
     assert count[0] < 2 * STALL_ITERATIONS
 
 
+@pytest.mark.slow
+def test_a_branch_that_never_leaves_a_slice_of_the_range_ends_with_a_sentence() -> None:
+    """Its waves are so high that it covers much of the plot, but of the parameter a thousandth."""
+    settings = ContinuationSettings(max_points=400)
+    curve = comb(height=0.2, pitch=1e-5)
+    branch = Branch(Newton(curve, NewtonSettings()), curve.at(1.0, 0.0), 1.0, settings)
+    points = branch.follow()
+    assert branch.lost
+    assert len(points) < settings.max_points
+    printed_sentence(branch.message, "y = 0.5", "1 %", numbers=False)
+
+
+def test_the_iterations_of_a_slice_count_over_all_visits() -> None:
+    effort = Effort(ContinuationSettings(max_points=100))
+    most = MOST_IN_SLICE * 100 * ITERATIONS_PER_POINT
+    for visit in range(2):
+        effort.spend(int(most / 2))
+        effort.cover(STALL_LENGTH, 0.505)
+        effort.spend(1)
+        effort.cover(STALL_LENGTH, 0.1 * visit)
+    assert effort.stall == ""
+    effort.spend(1)
+    effort.cover(STALL_LENGTH, 0.508)
+    assert f"{most + 1:.0f} iterations" in effort.stall
+
+
 def test_a_branch_that_advances_has_no_limit_but_that_of_its_points() -> None:
     curve = s_curve()
     newton = Newton(curve, NewtonSettings())
@@ -65,16 +92,16 @@ def test_the_recent_iterations_count_since_the_last_part_of_the_plot(length: flo
     effort = Effort(ContinuationSettings())
     effort.spend(STALL_ITERATIONS)
     assert effort.stall == ""
-    effort.cover(length)
+    effort.cover(length, 0.5)
     effort.spend(1)
     assert bool(effort.stall) == (length < STALL_LENGTH)
 
 
 def test_all_iterations_have_a_limit_too() -> None:
     effort = Effort(ContinuationSettings(max_points=10))
-    for _ in range(10):
+    for step in range(10):
         effort.spend(ITERATIONS_PER_POINT)
-        effort.cover(STALL_LENGTH)
+        effort.cover(STALL_LENGTH, step * STALL_LENGTH)
     assert effort.stall == ""
     effort.spend(1)
     printed_sentence(effort.stall, f"{10 * ITERATIONS_PER_POINT + 1} iterations")

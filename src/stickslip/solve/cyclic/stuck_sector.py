@@ -23,7 +23,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.cyclic.lagged_modes import LaggedModes
 from stickslip.solve.excitation import TravellingWave, lag_of
-from stickslip.solve.harmonic.compliance import NEAR_RANGE, Compliance
+from stickslip.solve.harmonic.compliance import Compliance, usual_near_range
 from stickslip.solve.harmonic.damping import diagonal_modal_damping, modal_basis, modal_damping, modal_damping_matrix
 from stickslip.solve.harmonic.gain import ComplexArray, CoupledGain, DiagonalGain
 from stickslip.solve.harmonic.linear import LinearLimit
@@ -130,9 +130,14 @@ class StuckSector:
             modal, matrices.gyroscopic,
         )  # fmt: skip
 
-    def compliance(self, harmonics: int, near_range: float = NEAR_RANGE) -> Compliance:
-        """The compliance for a number of harmonics; modes above ``near_range`` are springs in Newton's matrix."""
+    def compliance(self, harmonics: int, near_range: float | None = None) -> Compliance:
+        """The compliance for a number of harmonics; modes above ``near_range`` are springs in Newton's matrix.
+
+        None is :func:`usual_near_range`.
+        """
         parts = [self.of_order(order) for order in range(1, harmonics + 1)]
+        if near_range is None:
+            near_range = usual_near_range(parts[0].circular_frequency.size)
         highest = near_range * harmonics * self.highest_omega
         near = max(int(np.searchsorted(part.circular_frequency, highest)) for part in parts)
         frequency = np.array([part.circular_frequency for part in parts])

@@ -9,6 +9,7 @@ slider is at the mean displacement), so ``k`` contains only the normal springs t
 
 from __future__ import annotations
 
+import math
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -48,9 +49,15 @@ from stickslip.structure.superelement import Superelement
 
 Origin = tuple[Superelement, float, float | None]
 
-# In Newton's matrix, modes above this multiple of the highest harmonic are springs: an error of 1/30^2 of their part of
-# the matrix alone, which costs no accuracy (the residual has their inertia, see kept_modes) and hardly an iteration.
+# In Newton's matrix of a structure with many modes, those above this multiple of the highest harmonic are springs: an
+# error of 1/30^2 of their part of the matrix alone, which costs no accuracy (the residual has their inertia, see
+# kept_modes) and hardly an iteration, unless the contact is a thousand times stiffer than the structure: where that
+# opens, the compliance of the fast modes and that of the springs cancel to less than this error, and Newton's method
+# converges linearly or not at all.
 NEAR_RANGE = 30.0
+# chosen: a structure with no more modes than this has all of them in Newton's matrix. With damping that couples them
+# their gains take 2 ms with 108 modes, as long as the rest of an iteration of a small joint.
+FEW_MODES = 120
 # chosen: modes whose compliance times the contact stiffness is below this remain for the iteration, which converges
 # with it (440 pairs: 26 of 42 near modes, one iteration more); and number of shapes of the mean, of 10 above 0.1.
 STRONG = 0.1
@@ -285,13 +292,23 @@ class StuckStructure:
         squares, shapes = scipy.sparse.linalg.eigsh(whole, count, v0=start, tol=MEAN_TOLERANCE)
         return np.asarray(shapes * np.sqrt(np.maximum(squares, 0.0)))
 
-    def compliance(self, harmonics: int, near_range: float = NEAR_RANGE) -> Compliance:
-        """The compliance for a number of harmonics; modes above ``near_range`` are springs in Newton's matrix."""
+    def compliance(self, harmonics: int, near_range: float | None = None) -> Compliance:
+        """The compliance for a number of harmonics; modes above ``near_range`` are springs in Newton's matrix.
+
+        None is :func:`usual_near_range`.
+        """
+        if near_range is None:
+            near_range = usual_near_range(self.circular_frequency.size)
         near = int(np.searchsorted(self.circular_frequency, near_range * harmonics * self.highest_omega))
         kind = DiagonalGain if self.modal_damping.ndim == 1 else CoupledGain
         gain = kind(self.circular_frequency, self.modal_damping, harmonics, near)
         modes = SharedModes(self.modes, self.contact_modes, self.circular_frequency, near, lambda: self.mean_shapes)
         return Compliance(self, modes, gain)
+
+
+def usual_near_range(n_modes: int) -> float:
+    """The range of the modes that are not springs in Newton's matrix, over the highest harmonic."""
+    return math.inf if n_modes <= FEW_MODES else NEAR_RANGE
 
 
 def stuck_structure(

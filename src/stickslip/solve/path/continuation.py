@@ -17,7 +17,7 @@ from typing import Generic
 import numpy as np
 
 from stickslip.solve.path.arc_length import Metric, Tangent
-from stickslip.solve.path.corrector import Corrector, Known, parameter_of
+from stickslip.solve.path.corrector import PATIENCE, Corrector, Known, parameter_of
 from stickslip.solve.path.landmarks import ON_IT, VISIBLE, Landmark, LandmarkSource, first_crossed, is_long_near
 from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import PointT
@@ -36,10 +36,6 @@ from stickslip.solve.path.stepping import (
 from stickslip.solve.path.visited import Visited
 from stickslip.solve.path.work import Work
 
-# chosen: a correction of a step ends if so many iterations do not halve its error, and a shorter step is tried; the
-# shortest has all iterations. Of damper 8 of the torture set (benchmarks/torture.py) this ends 669 of 682 corrections
-# that fail, and 3 of 1,123 that would converge.
-PATIENCE = 3
 # chosen: the largest number of retreats from steps that came back to the branch before it is lost, and of places where
 # the branch is lost and continues close beyond.
 MOST_RETREATS, MOST_CROSSINGS = 6, 6
@@ -146,8 +142,8 @@ class Branch(Generic[PointT]):
                 return True
             correction, turned, length, step = outcome
             self._pace.advance(length)
-            self._effort.cover(length)
             reached = parameter_of(correction.point)
+            self._effort.cover(length, (reached - self._origin) / self._width)
             end = self._end_passed(reached)
             if end is not None:
                 landed = self._corrector.land(point, correction.point, end)

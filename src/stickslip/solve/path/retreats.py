@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
-from stickslip.solve.path.corrector import SMALLEST_MOTION, Corrector, parameter_of
+from stickslip.solve.path.corrector import PATIENCE, SMALLEST_MOTION, Corrector, parameter_of
 from stickslip.solve.path.newton import Correction
 from stickslip.solve.path.problem import Plane, PointT
 from stickslip.solve.path.stepping import ContinuationSettings, Pace, growing_lengths
@@ -72,7 +72,7 @@ class Retreats(Generic[PointT]):
             guess = corrector.problem.evaluate(
                 before.unknowns + share * chord.unknowns, before.parameters + share * chord.parameters
             )
-            correction = corrector.correct(guess, corrector.plane(earlier, chord, 0.0))
+            correction = corrector.correct(guess, corrector.plane(earlier, chord, 0.0), PATIENCE)
             if not (correction.converged and self._same(correction.point, earlier, chord)):
                 continue
             if metric.product(chord, chord_between(earlier, points[index + 1])) > 0.0:
