@@ -142,13 +142,13 @@ def build_model(
         setup = set_up(case)
         structure, joint = structure or setup.assemble(), joint or load_joint(case, setup.layout)
     if case.reduction.pairs == "moving":
-        moving = _estimated_moving_pairs(case, structure, joint)
+        moving = _estimated_moving_pairs(case, structure, joint, threads)
         return model_of_moving_pairs(case, structure, joint, moving, threads, progress)
     reduced = reduce_structure(case, structure, joint.layout, threads, progress)
     return Model(**vars(connect(case, reduced, joint)), structure=structure)
 
 
-def _estimated_moving_pairs(case: Case, structure: AnyStructure, joint: Joint) -> BoolArray:
+def _estimated_moving_pairs(case: Case, structure: AnyStructure, joint: Joint, threads: int) -> BoolArray:
     """(n_pairs,) the pairs that can move."""
     layout = joint.layout
 
@@ -157,7 +157,7 @@ def _estimated_moving_pairs(case: Case, structure: AnyStructure, joint: Joint) -
         inertia = layout.base_inertia
         return make_excitation(case, rows, None if inertia is None else modes.T @ inertia)
 
-    return moving_pairs_of(case, require_mesh_at_rest(structure), joint, excitation_of)
+    return moving_pairs_of(case, require_mesh_at_rest(structure), joint, excitation_of, threads)
 
 
 def model_of_moving_pairs(

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse
 
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
@@ -17,7 +18,7 @@ from stickslip.model.study_structure import BoolArray, ReducedStructure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.moving_pairs import REACH, estimated_moving_pairs
 from stickslip.structure.elasticity import Structure
-from stickslip.structure.joined import joined_modes
+from stickslip.structure.front_reduction import lowest_mesh_modes
 from stickslip.structure.partial_reduction import partial_superelement
 
 # chosen: modes of the first attempt, and most of all, to reach the highest excited frequency.
@@ -34,7 +35,11 @@ def require_mesh_at_rest(structure: AnyStructure) -> Structure:
 
 
 def moving_pairs_of(
-    case: Case, structure: Structure, joint: Joint, excitation_of: Callable[[FloatArray], Excitation]
+    case: Case,
+    structure: Structure,
+    joint: Joint,
+    excitation_of: Callable[[FloatArray], Excitation],
+    threads: int = 1,
 ) -> BoolArray:
     """(n_pairs,) the pairs that can move in the range of [solver], see :func:`estimated_moving_pairs`.
 
@@ -42,10 +47,14 @@ def moving_pairs_of(
     and ConvergenceError, see :func:`joined_modes`.
     """
     window = 2.0 * np.pi * np.array([case.solver.frequency_start, case.solver.frequency_stop])
+    rows = joint.face_pairs.mesh_operator(structure.mesh.n_nodes)
+    operator = structure.of_unknowns(rows)
+    stuck = structure.stiffness + operator.T @ scipy.sparse.diags(joint.resting_springs) @ operator
     most = min(MOST_MODES, structure.stiffness.shape[0] - 1)
     count = min(FIRST_MODES, most)
     while True:
-        frequency_hz, modes = joined_modes(structure, joint.face_pairs, count, joint.resting_springs)
+        frequency_hz, shapes = lowest_mesh_modes(structure, stuck.tocsr(), count, threads)
+        modes = structure.expand(shapes)
         excitation = excitation_of(modes)
         if 2.0 * np.pi * frequency_hz[-1] > REACH * excitation.harmonics * window.max() or count == most:
             break
@@ -54,7 +63,7 @@ def moving_pairs_of(
     force = excitation.on(_Amplitudes(count), excitation.harmonics).coefficients(float(window.max()))[1:]
     size = np.hypot(force[0::2], force[1::2]).max(axis=0)
     elastic = omega > 0.0
-    contact = joint.face_pairs.mesh_operator(structure.mesh.n_nodes) @ modes[:, elastic]
+    contact = rows @ modes[:, elastic]
     return estimated_moving_pairs(
         joint.contact_pairs(contact),
         omega[elastic],

@@ -31,6 +31,9 @@ Hexahedron = Literal["incompatible", "trilinear"]
 
 # Cells are processed in groups, so that the temporary arrays of fine 20-node meshes stay below about 100 MB.
 _CELLS_AT_ONCE = 2000
+# chosen: over the mean ratio of the diagonals of stiffness and mass, a shift that makes the stiffness of a free body
+# regular, and the round-off of its zero eigenvalues.
+ROUND_OFF_SHIFT = 1e-8
 _EQUAL = 1e-6  # relative difference of components of a mode that are equal by symmetry
 
 
@@ -299,6 +302,11 @@ def scattered(local: FloatArray, unknowns: IntArray, size: int) -> Any:
     return scipy.sparse.csr_matrix((local.ravel(), (rows, columns)), shape=(size, size))
 
 
+def mean_ratio(stiffness: Any, mass: Any) -> float:
+    """(rad/s)^2, mean diagonal of the stiffness over that of the mass."""
+    return float(stiffness.diagonal().real.sum() / mass.diagonal().real.sum())
+
+
 def natural_frequencies(
     stiffness: Any,
     mass: Any,
@@ -329,9 +337,9 @@ def natural_frequencies(
         raise InputError(
             f"count is {count}; with {size} unknowns it must be between 1 and {size - 1}.", arguments=["count"]
         )
-    scale = float(stiffness.diagonal().real.sum() / mass.diagonal().real.sum())
+    scale = mean_ratio(stiffness, mass)
     if scipy.sparse.issparse(stiffness):
-        centre = -1e-8 * scale if shift is None else shift
+        centre = -ROUND_OFF_SHIFT * scale if shift is None else shift
         factor = factor or factorize(stiffness - centre * mass)
         if by_blocks:
             eigenvalues, modes = lowest_modes(factor.solve, lambda block: mass @ block, size, count=count, shift=centre)
@@ -342,7 +350,7 @@ def natural_frequencies(
     order = np.argsort(eigenvalues)
     eigenvalues, modes = eigenvalues[order], modes[:, order]
     # By round-off rigid-body modes are at about 1e-12 of the largest eigenvalue, on either side of zero.
-    if eigenvalues[0] < -1e-8 * scale:
+    if eigenvalues[0] < -ROUND_OFF_SHIFT * scale:
         raise InputError(
             f"the stiffness has the negative eigenvalue {eigenvalues[0]:.3g} (rad/s)^2: it is not that of an elastic "
             "structure. Check the signs of the springs that were added."

@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.core.errors import InputError, SingularMatrixError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
+from stickslip.structure.elasticity import ROUND_OFF_SHIFT, Structure, mean_ratio, natural_frequencies
 from stickslip.structure.factor import PARDISO_SIZE, Factor, checked_solver
 from stickslip.structure.floating_parts import floating_message
 from stickslip.structure.mesh import IntArray
@@ -69,3 +70,24 @@ def reduced_by_fronts(
     reduced_mass[count:, count:] = 0.5 * (corner + corner.T)
     reduced_stiffness[count:, count:] = np.diag(squared)
     return ReducedMatrices(reduced_mass, reduced_stiffness, None, modes, factor)
+
+
+def lowest_mesh_modes(
+    structure: Structure, stiffness: Any, count: int, threads: int = 1
+) -> tuple[FloatArray, FloatArray]:
+    """The lowest modes of a mesh with another stiffness (n_free, n_free), such as one with springs.
+
+    Frequencies (count,) in Hz and mass-normalised modes (n_free, count).
+
+    A large mesh is factored by fronts, and the modes come from blocks of vectors. Raises InputError and
+    ConvergenceError as :func:`natural_frequencies` does, and SingularMatrixError.
+    """
+    mass, every = structure.mass, np.arange(structure.stiffness.shape[0])
+    none = every[:0]
+    if not fronts_pay(none, every):
+        return natural_frequencies(stiffness, mass, count)
+    shift = -ROUND_OFF_SHIFT * mean_ratio(stiffness, mass)
+    shifted = (stiffness - shift * mass).tocsr()
+    fronts, _ = condensed((shifted,), structure.node, structure.mesh.points, none, every, 0, threads)
+    factor = Factor(len(every), checked_solver(shifted, fronts.solve, "multifrontal"), threads, fronts.solve)
+    return natural_frequencies(stiffness, mass, count, shift, factor, by_blocks=True)

@@ -17,7 +17,7 @@ are constraint modes, so the boundary receives ``Psi^T M Psi`` of all constraint
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
@@ -254,6 +254,8 @@ class _Elimination:
                 constraint[rows] = dtrsm(1.0, own.T, part.T, side=0, lower=0).T
 
         self._by_blocks(solve, len(below))
+        if not len(below):  # the last front of a mesh without a boundary
+            return constraint
         with self._library_threads(len(below)):
             dsyrk(-1.0, below.T, 1.0, rest.T, trans=1, lower=0, overwrite_c=1)
         return constraint
@@ -272,9 +274,12 @@ class _Elimination:
     def _library_threads(self, count: int) -> AbstractContextManager[Any]:
         """The threads of one product of the library for so many rows.
 
-        Its symmetric products have the same digits with any number of threads, its other products have not.
+        Its symmetric products have the same digits with any number of threads, its other products have not. A small
+        front has the threads of the caller: to set their number takes 3 ms, longer than most of its products.
         """
-        limited: AbstractContextManager[Any] = threadpool_limits(limits=self._threads if count > LARGE_FRONT else 1)
+        if count <= LARGE_FRONT:
+            return nullcontext()
+        limited: AbstractContextManager[Any] = threadpool_limits(limits=self._threads)
         return limited
 
     def _by_blocks(self, work: Callable[[slice], None], count: int) -> None:

@@ -18,12 +18,14 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
 from stickslip.structure.craig_bampton import craig_bampton
-from stickslip.structure.elasticity import Structure, natural_frequencies
+from stickslip.structure.elasticity import Structure
+from stickslip.structure.front_reduction import lowest_mesh_modes
 from stickslip.structure.joined import NodePairs
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import Recovery
@@ -90,7 +92,7 @@ def partial_superelement(
     base = _reduced(on_springs, pairs.subset(chosen), other_nodes, n_modes, threads, progress)
     recovery = base.recovery
     if n_modes:
-        recovery = recovery.with_shapes(_free_shapes(structure, n_modes, recovery))
+        recovery = recovery.with_shapes(_free_shapes(structure, n_modes, recovery, threads))
     mass, stiff = recovery.extended(base.mass, base.stiffness)
     relative = _relative(rows, recovery)
     if chosen.any():  # exactly, without the round-off of the recovery
@@ -137,9 +139,10 @@ def _reduced(
     return craig_bampton(structure, nodes, n_modes, "superlu", threads, progress)
 
 
-def _free_shapes(structure: Structure, count: int, recovery: Recovery) -> FloatArray:
+def _free_shapes(structure: Structure, count: int, recovery: Recovery, threads: int) -> FloatArray:
     """(n_free, count) the lowest modes without contact, in the unknowns of the model of a recovery."""
-    _, modes = natural_frequencies(structure.stiffness, structure.mass, count)
+    with threadpool_limits(limits=1):  # as :func:`craig_bampton` has it
+        _, modes = lowest_mesh_modes(structure, structure.stiffness, count, threads)
     model = recovery.model
     return model.unknowns_from(modes) if isinstance(model, RelativeModel) else modes
 
