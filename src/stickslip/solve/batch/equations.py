@@ -7,6 +7,7 @@ all curves, so its compiled functions are called once. No operation joins number
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -205,9 +206,9 @@ class StackedBalance:
         return ratio(norm(force), norm(contact.force.reshape(residual.shape)))
 
 
-def norm(array: FloatArray) -> FloatArray:
+def norm(array: FloatArray | ComplexArray) -> FloatArray:
     """(B,) Euclidean norms of an array (B, ...)."""
-    flat = array.reshape(len(array), -1)
+    flat = array.view(float).reshape(len(array), math.prod(array.view(float).shape[1:]))
     return np.sqrt(np.einsum("bi,bi->b", flat, flat))
 
 
