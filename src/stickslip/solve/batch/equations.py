@@ -123,7 +123,9 @@ class StackedBalance:
         squares = np.array([each.circular_frequency**2 for each in stuck])
         is_coupled = any(each.modal_damping.ndim == 2 for each in stuck)
         kind = CoupledStiffness if is_coupled else DiagonalStiffness
-        damping = [np.diag(each) if is_coupled and each.ndim == 1 else each for each in (s.modal_damping for s in stuck)]
+        damping = [
+            np.diag(each) if is_coupled and each.ndim == 1 else each for each in (s.modal_damping for s in stuck)
+        ]
         terms: dict[int, ComplexArray] = {}
         for place, balance in enumerate(balances):
             for power, array in balance.force.terms:

@@ -15,6 +15,7 @@ import numpy as np
 from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.batch.corrections import Corrections, Outcome
+from stickslip.solve.batch.curve_points import CurvePoints
 from stickslip.solve.batch.equations import StackedBalance, norm
 from stickslip.solve.batch.resonances import ManyResonances
 from stickslip.solve.batch.systems import Changes, Planes
@@ -33,46 +34,6 @@ SHORTEST = 1e-5
 # chosen: five times the points of usual curves; one with more is a loop, or has more corners than points between them.
 MOST_POINTS = 500
 FIRST, STEP, LANDING = range(3)  # what the present correction of a curve is
-
-
-@dataclass(frozen=True)
-class CurvePoints:
-    """The points of one curve in their order.
-
-    ``omega`` (k,) rad/s, ``relative`` (k, m, W) m, ``deviation_mean`` (k, m) N, ``amplitude`` (k, n, H),
-    ``contact_state`` (k, P), ``error`` (k,).
-    """
-
-    omega: FloatArray
-    relative: FloatArray
-    deviation_mean: FloatArray
-    amplitude: ComplexArray
-    contact_state: FloatArray
-    error: FloatArray
-
-    def with_points(self, places: Sequence[int], others: CurvePoints) -> CurvePoints:
-        """With ``others`` inserted before ``places``."""
-        names = [item.name for item in fields(self)]
-        return CurvePoints(*(np.insert(getattr(self, n), places, getattr(others, n), axis=0) for n in names))
-
-    @classmethod
-    def of(cls, outcome: Outcome, chosen: IndexArray) -> CurvePoints:
-        """The trials of some curves, one point of each."""
-        trial = outcome.trial
-        states = trial.contact.state.reshape(len(trial.omega), -1)
-        return cls(
-            trial.omega[chosen], trial.relative[chosen], trial.deviation[chosen, :, 0], trial.amplitude[chosen],
-            states[chosen], trial.error[chosen],
-        )  # fmt: skip
-
-    @classmethod
-    def joined(cls, parts: Sequence[CurvePoints]) -> CurvePoints:
-        """All points of some parts."""
-        return cls(*(np.concatenate([getattr(each, item.name) for each in parts]) for item in fields(cls)))
-
-    def take(self, chosen: IndexArray) -> CurvePoints:
-        """Some of the points."""
-        return CurvePoints(*(getattr(self, item.name)[chosen] for item in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -149,7 +110,9 @@ class _March:
         self._begin(self._first(outcome, np.flatnonzero(converged & (stage == FIRST))))
         landed = converged & (stage == LANDING)
         self._record(outcome, np.flatnonzero(landed))
-        finished |= landed | self._leave(failed & (stage == LANDING) & (places.landings == 0), "no point is at the stop")
+        finished |= landed | self._leave(
+            failed & (stage == LANDING) & (places.landings == 0), "no point is at the stop"
+        )
         self._retry(np.flatnonzero(failed & (stage == LANDING) & ~finished))
         finished |= self._advance(outcome, np.flatnonzero(converged & (stage == STEP)))
         finished |= self._halve(np.flatnonzero(failed & (stage == STEP)))
@@ -245,7 +208,10 @@ class _March:
         """(S,) degrees between directions of motion and frequency."""
 
         def product(one: tuple[ComplexArray, FloatArray], other: tuple[ComplexArray, FloatArray]) -> FloatArray:
-            flat = [each[0].view(float).reshape(len(scale), math.prod(each[0].view(float).shape[1:])) for each in (one, other)]
+            flat = [
+                each[0].view(float).reshape(len(scale), math.prod(each[0].view(float).shape[1:]))
+                for each in (one, other)
+            ]
             return np.einsum("bi,bi->b", *flat) / scale**2 + one[1] * other[1] / self._width**2
 
         cosine = product(first, second) / np.sqrt(product(first, first) * product(second, second))
@@ -259,9 +225,7 @@ class _March:
             factor[:, None, None] * along.relative, factor[:, None, None] * along.amplitude, factor * along.omega
         )
 
-    def _accept(
-        self, outcome: Outcome, chosen: IndexArray, along: Changes, length: FloatArray | None = None
-    ) -> None:
+    def _accept(self, outcome: Outcome, chosen: IndexArray, along: Changes, length: FloatArray | None = None) -> None:
         """New points of some curves, with their unit tangents, after steps of a ``length``; None for the first."""
         places, trial = self._places, outcome.trial
         if length is not None:
@@ -277,7 +241,7 @@ class _March:
 
     def _record(self, outcome: Outcome, chosen: IndexArray) -> None:
         if chosen.size:
-            self._parts.append((self.ids[chosen], CurvePoints.of(outcome, chosen)))
+            self._parts.append((self.ids[chosen], CurvePoints.of(outcome.trial, chosen)))
 
     def _begin(self, chosen: IndexArray) -> None:
         """Begin steps of the planned lengths, which end at the first resonance that they would cross."""

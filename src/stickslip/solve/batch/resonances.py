@@ -49,9 +49,7 @@ class ManyResonances:
             self._tangent[:, curve] = np.nan
             self._tangent[:, curve, : own.shape[1]] = own
 
-    def first_crossed(
-        self, chosen: IndexArray, start: FloatArray, change: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def first_crossed(self, chosen: IndexArray, start: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(S,) frequencies and widths of the first narrow resonance that steps from ``start`` (S,) by ``change``
         cross; NaN for none."""
         values, widths = self._of(chosen)

@@ -45,9 +45,7 @@ class Planes:
 
     def take(self, chosen: IndexArray) -> Planes:
         """Those of some curves."""
-        return Planes(
-            self.weights[chosen], self.weight[chosen], self.anchor_product[chosen], self.anchor_omega[chosen]
-        )
+        return Planes(self.weights[chosen], self.weight[chosen], self.anchor_product[chosen], self.anchor_omega[chosen])
 
     def put(self, chosen: IndexArray, others: Planes) -> None:
         """Replace those of some curves."""
