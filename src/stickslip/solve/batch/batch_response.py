@@ -13,9 +13,10 @@ from stickslip.core.errors import InputError
 from stickslip.core.threads import solver_threads, thread_count
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.batch import BatchCurve, BatchResponse
+from stickslip.solve.batch.curve_points import CurvePoints
 from stickslip.solve.batch.curve_results import curve_alone, curve_of
 from stickslip.solve.batch.equations import StackedBalance
-from stickslip.solve.batch.following import CurvePoints, follow
+from stickslip.solve.batch.following import follow
 from stickslip.solve.batch.outputs import Outputs
 from stickslip.solve.batch.peaks import with_peaks
 from stickslip.solve.forced import DEFAULT_HARMONICS
@@ -100,9 +101,7 @@ def _checked(inputs: Sequence[SolverInput]) -> list[FloatArray]:
                 )
         if not each.pairs.is_coulomb:
             laws = ", ".join(each.pairs.law_names)
-            raise _rejected(
-                place, f"has pairs with the law(s) {laws}", "a batch requires Coulomb friction in all pairs"
-            )
+            raise _rejected(place, f"has pairs with the law(s) {laws}", "a batch requires Coulomb friction")
         if each.superelement.gyroscopic is not None:
             raise _rejected(place, "has a gyroscopic matrix", "solve it by forced_response")
         if each.structure is not None:
@@ -137,7 +136,7 @@ def _prepared(
 
 
 def _groups(curves: Sequence[Balances]) -> list[list[int]]:
-    """Curves that can be solved together: one law has retained tractions or none, and one gain couples modes or none."""
+    """Curves that are solved together: all have retained tractions or none, and damping that couples modes or none."""
 
     def kind(place: int) -> tuple[bool, int]:
         return curves[place].pairs.released, curves[place].stuck.modal_damping.ndim

@@ -115,17 +115,15 @@ class StackedBalance:
 
     @classmethod
     def of(cls, curves: Sequence[Balances], harmonics: int) -> StackedBalance:
-        """The equations of curves with equal numbers of pairs and modes, all with retained tractions or none."""
+        """The equations of curves with equal numbers of pairs and modes, all with retained tractions or none, and with
+        damping that couples the modes or none."""
         balances = [each.with_harmonics(harmonics) for each in curves]
         laws = [each.pairs.coulomb for each in curves]
         stuck = [each.stuck for each in curves]
         count, rows = len(curves), balances[0].rows
         squares = np.array([each.circular_frequency**2 for each in stuck])
-        is_coupled = any(each.modal_damping.ndim == 2 for each in stuck)
-        kind = CoupledStiffness if is_coupled else DiagonalStiffness
-        damping = [
-            np.diag(each) if is_coupled and each.ndim == 1 else each for each in (s.modal_damping for s in stuck)
-        ]
+        kind = DiagonalStiffness if stuck[0].modal_damping.ndim == 1 else CoupledStiffness
+        damping = np.array([each.modal_damping for each in stuck])
         terms: dict[int, ComplexArray] = {}
         for place, balance in enumerate(balances):
             for power, array in balance.force.terms:
@@ -137,7 +135,7 @@ class StackedBalance:
             structures=Structures(
                 np.array([each.contact_modes for each in stuck]), np.array([each.mean_contact for each in stuck]), terms
             ),
-            stiffness=kind(squares, np.array(damping), harmonics),
+            stiffness=kind(squares, damping, harmonics),
             springs=np.array([each.springs.T for each in balances]),
             undetermined=np.array([law.undetermined() for law in laws]).reshape(count, rows),
             walking=np.array([law.frictional() for law in laws]).reshape(count, rows),
@@ -152,7 +150,7 @@ class StackedBalance:
     @property
     def pairs(self) -> int:
         """Number P of pairs of a curve."""
-        return self.springs.shape[1] // 3
+        return int(self.springs.shape[1] // 3)
 
     def take(self, chosen: IndexArray) -> StackedBalance:
         """The equations of some curves; one of them may be there more than once."""
@@ -208,10 +206,15 @@ class StackedBalance:
         return ratio(norm(force), norm(contact.force.reshape(residual.shape)))
 
 
+def product(first: FloatArray | ComplexArray, second: FloatArray | ComplexArray) -> FloatArray:
+    """(B,) inner products of arrays (B, ...), of complex ones as of their parts."""
+    flat = [each.view(float).reshape(len(each), math.prod(each.view(float).shape[1:])) for each in (first, second)]
+    return np.asarray(np.einsum("bi,bi->b", *flat))
+
+
 def norm(array: FloatArray | ComplexArray) -> FloatArray:
     """(B,) Euclidean norms of an array (B, ...)."""
-    flat = array.view(float).reshape(len(array), math.prod(array.view(float).shape[1:]))
-    return np.sqrt(np.einsum("bi,bi->b", flat, flat))
+    return np.sqrt(product(array, array))
 
 
 def ratio(part: FloatArray, whole: FloatArray) -> FloatArray:
@@ -220,7 +223,7 @@ def ratio(part: FloatArray, whole: FloatArray) -> FloatArray:
 
 
 def _signs(width: int) -> FloatArray:
-    """(2H,) 1, -1, 1, ...: coefficients ``c, s`` are the parts of complex amplitudes ``c - i s`` but for these signs."""
+    """(2H,) 1, -1, 1, ...: coefficients ``c, s`` times these are the parts of complex amplitudes ``c - i s``."""
     return np.tile([1.0, -1.0], (width - 1) // 2)
 
 

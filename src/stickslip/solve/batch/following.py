@@ -6,7 +6,6 @@ has a corner, comes back or is lost, it leaves the batch with a reason, and is s
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
@@ -16,7 +15,7 @@ from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.batch.corrections import Corrections, Outcome
 from stickslip.solve.batch.curve_points import CurvePoints
-from stickslip.solve.batch.equations import StackedBalance, norm
+from stickslip.solve.batch.equations import StackedBalance, norm, product
 from stickslip.solve.batch.resonances import ManyResonances
 from stickslip.solve.batch.systems import Changes, Planes
 from stickslip.solve.harmonic.gain import ComplexArray
@@ -28,9 +27,10 @@ from stickslip.solve.path.landmarks import ON_IT, VISIBLE
 from stickslip.solve.path.stepping import ContinuationSettings
 
 SETTINGS = ContinuationSettings()
-# chosen: a curve that needs shorter steps leaves the batch. Usual steps are above 1e-3 of the plot; corners of rattling
-# contact need down to 1e-6, and more than halving them until they pass.
-SHORTEST = 1e-5
+# chosen: a step that turns too far is repeated with this fraction of its length. Where a single pair begins to slip,
+# the curve has a corner: all steps turn down to the shortest one, which accepts it. Halves would take twice the
+# corrections.
+OF_TURNING = 0.25
 # chosen: five times the points of usual curves; one with more is a loop, or has more corners than points between them.
 MOST_POINTS = 500
 FIRST, STEP, LANDING = range(3)  # what the present correction of a curve is
@@ -110,12 +110,11 @@ class _March:
         self._begin(self._first(outcome, np.flatnonzero(converged & (stage == FIRST))))
         landed = converged & (stage == LANDING)
         self._record(outcome, np.flatnonzero(landed))
-        finished |= landed | self._leave(
-            failed & (stage == LANDING) & (places.landings == 0), "no point is at the stop"
-        )
+        lost = failed & (stage == LANDING) & (places.landings == 0)
+        finished |= landed | self._leave(lost, "Newton's method found no point at the stop")
         self._retry(np.flatnonzero(failed & (stage == LANDING) & ~finished))
         finished |= self._advance(outcome, np.flatnonzero(converged & (stage == STEP)))
-        finished |= self._halve(np.flatnonzero(failed & (stage == STEP)))
+        finished |= self._shorten(np.flatnonzero(failed & (stage == STEP)), 0.5)
         if finished.any():
             remaining = np.flatnonzero(~finished)
             self.ids, self._places = self.ids[remaining], places.take(remaining)
@@ -152,8 +151,9 @@ class _March:
         change = omega - places.omega[chosen]
         value, width = self._resonances.first_crossed(chosen, places.omega[chosen], change)
         has_jumped = np.abs(omega - value) > ON_IT * width
-        is_good = (angle <= SETTINGS.largest_angle_deg) & ~has_jumped
-        finished = self._halve(chosen[~is_good])
+        is_corner = places.length[chosen] < SETTINGS.smallest_step / OF_TURNING
+        is_good = ((angle <= SETTINGS.largest_angle_deg) | is_corner) & ~has_jumped
+        finished = self._shorten(chosen[~is_good], OF_TURNING)
         passes = is_good & ((omega - self._stop) * self._direction >= 0.0)
         self._land(outcome, chosen[passes])
         behind = (self._start - omega) * self._direction
@@ -180,42 +180,28 @@ class _March:
         by_angle = SETTINGS.wanted_angle_deg / np.maximum(angle, 1e-3)
         by_iterations = (SETTINGS.wanted_iterations + 1.0) / (self._corrections.iterations(chosen) + 1.0)
         factor = np.clip(np.minimum(by_angle, by_iterations), 0.4, 2.0)
-        return np.clip(length * factor, SHORTEST, SETTINGS.largest_step)
+        return np.asarray(np.clip(length * factor, SETTINGS.smallest_step, SETTINGS.largest_step))
 
     def _angles(self, chosen: IndexArray, omega: FloatArray, motion: ComplexArray, along: Changes) -> FloatArray:
         """(S,) degrees by which steps to new points turn: tangents, twice the chord, and both by the local motion."""
         places = self._places
-        before, change = places.amplitude[chosen], omega - places.omega[chosen]
-        chord, tangent, turned = (
-            (motion - before, change),
-            (places.tangent_amplitude[chosen], places.tangent_omega[chosen]),
-            (along.amplitude, along.omega),
-        )
-        scale = places.largest[chosen]
-        near = self._resonances.is_long_near(chosen, places.omega[chosen], omega)
+        scale, start = places.largest[chosen], places.omega[chosen]
+        before, tangent = places.amplitude[chosen], places.tangent_amplitude[chosen]
+        slope = places.tangent_omega[chosen] / self._width
+        near = self._resonances.is_long_near(chosen, start, omega)
         local = np.maximum(norm(before), norm(motion))
         local = np.where(near, np.maximum(local, VISIBLE * scale), scale)
-        angles = [
-            factor * self._angle(first, tangent, size)
-            for size in (scale, local)
-            for factor, first in ((1.0, turned), (2.0, chord))
-        ]
-        return np.asarray(np.max(angles, axis=0))
-
-    def _angle(
-        self, first: tuple[ComplexArray, FloatArray], second: tuple[ComplexArray, FloatArray], scale: FloatArray
-    ) -> FloatArray:
-        """(S,) degrees between directions of motion and frequency."""
-
-        def product(one: tuple[ComplexArray, FloatArray], other: tuple[ComplexArray, FloatArray]) -> FloatArray:
-            flat = [
-                each[0].view(float).reshape(len(scale), math.prod(each[0].view(float).shape[1:]))
-                for each in (one, other)
-            ]
-            return np.einsum("bi,bi->b", *flat) / scale**2 + one[1] * other[1] / self._width**2
-
-        cosine = product(first, second) / np.sqrt(product(first, first) * product(second, second))
-        return np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        square, angles = product(tangent, tangent), np.zeros(len(chosen))
+        for factor, other, rise in (
+            (1.0, along.amplitude, along.omega / self._width),
+            (2.0, motion - before, (omega - start) / self._width),
+        ):
+            inner, own = product(other, tangent), product(other, other)
+            for size in (scale, local):
+                lengths = (own / size**2 + rise**2) * (square / size**2 + slope**2)
+                cosine = (inner / size**2 + rise * slope) / np.sqrt(lengths)
+                angles = np.maximum(angles, factor * np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+        return angles
 
     def _unit(self, chosen: IndexArray, along: Changes) -> Changes:
         """Directions of length 1 in the plot."""
@@ -249,7 +235,7 @@ class _March:
         planned, slope = places.planned[chosen], places.tangent_omega[chosen]
         value, _ = self._resonances.first_crossed(chosen, places.omega[chosen], planned * slope)
         cut = (value - places.omega[chosen]) / slope
-        is_cut = cut >= SHORTEST  # False for none
+        is_cut = cut >= SETTINGS.smallest_step  # False for none
         places.landmark[chosen] = np.where(is_cut, value, np.nan)
         places.length[chosen] = np.where(is_cut, cut, planned)
         self._predict(chosen)
@@ -267,20 +253,22 @@ class _March:
         at_landmark = ~np.isnan(landmark)
         weights = planes / (size**2)[:, None, None]
         weights[at_landmark] = 0.0
-        anchor = np.einsum("bmw,bmw->b", weights, places.relative[chosen] + along)
+        anchor = product(weights, places.relative[chosen] + along)
         weight = places.tangent_omega[chosen] / self._width**2
         self._corrections.begin(
             chosen, relative, omega, Planes(weights, weight, anchor, np.where(at_landmark, landmark, ahead))
         )
 
-    def _halve(self, chosen: IndexArray) -> BoolArray:
-        """Try half of the present steps of some curves; (B,) those whose steps are too short."""
+    def _shorten(self, chosen: IndexArray, fraction: float) -> BoolArray:
+        """Try a fraction of the present steps of some curves; (B,) those whose steps are too short."""
         places = self._places
-        places.length[chosen] *= 0.5
+        places.length[chosen] *= fraction
         places.landmark[chosen] = np.nan
-        is_short = places.length[chosen] < SHORTEST
+        is_short = places.length[chosen] < SETTINGS.smallest_step
         self._predict(chosen[~is_short])
-        return self._leave(self._mask(chosen[is_short]), f"steps of {SHORTEST:g} of the range are too long")
+        return self._leave(
+            self._mask(chosen[is_short]), f"steps of {SETTINGS.smallest_step:g} of the range are too long"
+        )
 
     def _land(self, outcome: Outcome, chosen: IndexArray) -> None:
         """Begin corrections at the stop, which steps of some curves have passed."""

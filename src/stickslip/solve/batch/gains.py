@@ -59,7 +59,7 @@ class DiagonalStiffness:
         x = order * omega[:, None, None]
         damped = 1j * self.damping[:, :, None]
         own = self.squares[:, :, None] - x**2 + x * damped
-        return DiagonalGain(1.0 / own, order * (damped - 2.0 * x))
+        return DiagonalGain(np.asarray(1.0 / own), order * (damped - 2.0 * x))
 
     def take(self, chosen: IndexArray) -> DiagonalStiffness:
         """The equations of some curves."""
@@ -104,7 +104,7 @@ class CoupledStiffness:
         matrix = 1j * x[:, :, None, None] * self.damping[:, None]
         own = np.arange(self.squares.shape[1])
         matrix[:, :, own, own] += self.squares[:, None] - (x**2)[:, :, None]
-        return CoupledGain(np.linalg.inv(matrix), self.damping, omega)
+        return CoupledGain(np.asarray(np.linalg.inv(matrix), dtype=complex), self.damping, omega)
 
     def take(self, chosen: IndexArray) -> CoupledStiffness:
         """The equations of some curves."""

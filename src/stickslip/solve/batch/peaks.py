@@ -1,8 +1,8 @@
 """Points at the highest peaks of many curves: the maxima of their outputs along the curves, in lockstep.
 
-Three successive points of a curve contain a maximum if the middle one is the highest. The next point is at the vertex of
-the parabola through them, over the distance along their chords, or in the middle of the longer side if parabolas do not
-shorten it. It is a solution on the plane across the chord, so a peak beside a fold is no exception.
+Three successive points of a curve contain a maximum if the middle one is the highest. The next point is at the vertex
+of the parabola through them, over the distance along their chords, or in the middle of the longer side if parabolas do
+not shorten it. It is a solution on the plane across the chord, so a peak beside a fold is no exception.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.batch.corrections import Corrections
-from stickslip.solve.batch.equations import StackedBalance, norm
 from stickslip.solve.batch.curve_points import CurvePoints
+from stickslip.solve.batch.equations import StackedBalance, norm, product
 from stickslip.solve.batch.outputs import Outputs
 from stickslip.solve.batch.systems import Planes
 from stickslip.solve.harmonic.harmonic_modes import IndexArray
@@ -172,7 +172,7 @@ def _advance(
     guess_omega = (weights * omega).sum(axis=1)
     chord = own.determined(relative[:, 2] - relative[:, 0])
     normal = chord / (norm(chord) ** 2)[:, None, None]
-    anchor = np.einsum("kmw,kmw->k", normal, guess)
+    anchor = product(normal, guess)
     slope = (omega[:, 2] - omega[:, 0]) / width**2
     solutions, converged = _solved(own, guess, guess_omega, Planes(normal, slope, anchor, guess_omega))
     height = outputs.amplitudes(curve[going], solutions)
@@ -190,7 +190,7 @@ def _advance(
         search.relative[place], search.omega[place] = all_relative[kept], all_omega[kept]
         search.is_new[place] = True
         if heights.argmax() == new + 1:
-            search.best.put(place, solutions, row)
+            search.best.put(int(place), solutions, int(row))
     lost = going[~converged]
     search.side[lost] = 0.0  # the middle of the longer side in the next round of halves
 

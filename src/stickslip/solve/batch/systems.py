@@ -14,14 +14,14 @@ import numpy as np
 
 from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
-from stickslip.solve.batch.equations import StackedBalance, StackedTrial, Structures, norm
+from stickslip.solve.batch.equations import StackedBalance, StackedTrial, Structures, norm, product
 from stickslip.solve.batch.gains import Gain
 from stickslip.solve.batch.kernel import fill_systems
 from stickslip.solve.harmonic.gain import ComplexArray
 from stickslip.solve.harmonic.harmonic_modes import IndexArray
 
-# chosen: curves are solved together if their numbers of rows are the same, rounded up to a multiple of this: the rows of
-# a pair that separates. Larger groups would solve more rows that nobody needs.
+# chosen: curves are solved together if their numbers of rows are the same, rounded up to a multiple of this: the rows
+# of a pair that separates. Larger groups would solve more rows that nobody needs.
 ROWS_OF_A_GROUP = 3
 
 
@@ -40,8 +40,7 @@ class Planes:
 
     def defect(self, relative: FloatArray, omega: FloatArray) -> FloatArray:
         """(S,) left sides at relative displacements (S, m, W) and frequencies (S,)."""
-        along = np.einsum("bmw,bmw->b", self.weights, relative)
-        return along - self.anchor_product + self.weight * (omega - self.anchor_omega)
+        return product(self.weights, relative) - self.anchor_product + self.weight * (omega - self.anchor_omega)
 
     def take(self, chosen: IndexArray) -> Planes:
         """Those of some curves."""
@@ -122,8 +121,8 @@ def steps_and_directions(
     slope = -own.vibration(by_omega)  # dR/dw
     lines = -own.vibration(gain.transposed(own.modal(planes.weights)))  # -A^T weights
     lines[:, :, 0] = -own.mean_under(planes.weights)
-    corner = planes.weight - np.einsum("bmw,bmw->b", planes.weights, slope)
-    values = np.einsum("bmw,bmw->b", planes.weights, residual) - planes.defect(trial.relative[chosen], omega)
+    corner = planes.weight - product(planes.weights, slope)
+    values = product(planes.weights, residual) - planes.defect(trial.relative[chosen], omega)
     rows = _Rows(trial.moves[chosen])
     tangents = _deviation_tangents(balance, trial, chosen, rows.moving)
     given = np.stack([residual, slope], axis=-1)
@@ -212,7 +211,7 @@ class _Group:
 def _solutions(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Solutions (G, N, k) of systems (G, N, N); not finite where one is singular."""
     try:
-        return np.linalg.solve(matrix, right)
+        return np.asarray(np.linalg.solve(matrix, right), dtype=float)
     except np.linalg.LinAlgError:
         if len(matrix) == 1:
             return np.full_like(right, np.nan)
