@@ -1,0 +1,204 @@
+"""Curves of a batch against ordinary curves of the same inputs, and the curves that leave it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from batch_inputs import WINDOW_HZ, row_of_masses
+from sentences import rejects
+from stickslip.contact.law.component_law import ElasticLaw
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import ContactState
+from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.results.batch import BatchCurve, BatchResponse
+from stickslip.results.response import ForcedResponse
+from stickslip.solve.batch import curve_results, following
+from stickslip.solve.batch.batch_response import batch_response
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.forced import forced_response
+from stickslip.solve.harmonic.curves import FrequencyCurve
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Plane
+from stickslip.solve.setting_up import prepare_balances
+from stickslip.solve.solver_input import SolverInput
+
+HARMONICS, SAMPLES = 3, 128
+COUPLED = 2.0 * np.array([[4.0, 1.0, 0.0], [1.0, 5.0, 2.0], [0.0, 2.0, 6.0]])
+OPTIONS: dict[str, Any] = {"harmonics": HARMONICS, "samples": SAMPLES}
+
+
+def batch(*inputs: SolverInput, window_hz: tuple[float, float] = WINDOW_HZ, **options: Any) -> BatchResponse:
+    return batch_response(inputs, frequency_hz=window_hz, **OPTIONS | options)
+
+
+def ordinary(given: SolverInput, window_hz: tuple[float, float] = WINDOW_HZ, **options: Any) -> ForcedResponse:
+    return forced_response(
+        given.superelement, given.pairs, given.excitation, frequency_hz=window_hz, checks=False,
+        modal_damping_ratio=given.modal_damping_ratio, **OPTIONS | options,
+    )  # fmt: skip
+
+
+def nearest_solutions(given: SolverInput, response: ForcedResponse, curve: BatchCurve) -> list[tuple[int, np.ndarray]]:
+    """Points of the curve away from folds, and the outputs there that Newton's method has from the nearest ordinary
+    point at the same frequency."""
+    omega = 2.0 * np.pi * response.frequency_hz
+    balance = prepare_balances(
+        given.superelement, given.pairs, given.excitation, omega.max(), HARMONICS, SAMPLES,
+        given.modal_damping_ratio, "tractrix", lambda words: None,
+    ).with_harmonics(HARMONICS)  # fmt: skip
+    problem = FrequencyCurve(balance)
+    newton = Newton(problem, NewtonSettings(tolerance=1e-11))
+    outputs, width = response.coefficients(given.output), np.ptp(response.frequency_hz)
+    solutions = []
+    for point in range(0, len(curve.frequency_hz), 5):
+        away = np.linalg.norm(outputs - curve.coefficients[point], axis=1) / curve.amplitude.max()
+        near = int(np.hypot(away, (response.frequency_hz - curve.frequency_hz[point]) / width).argmin())
+        turns = np.diff(response.frequency_hz[max(near - 1, 0) : near + 2])
+        if turns.min() < 0.0 < turns.max():
+            continue
+        guess = np.einsum("mn,nw->wm", balance.pairs.operator, response.displacement[near])
+        at = 2.0 * np.pi * float(curve.frequency_hz[point])
+        correction = newton.correct(problem.at(guess, at), Plane.fixed(guess, at))
+        assert correction.converged
+        solutions.append((point, balance.displacement([correction.point.trial])[0] @ given.output))
+    return solutions
+
+
+@pytest.mark.slow
+def test_each_curve_is_that_of_its_own_structure() -> None:
+    """Slip, separation, other masses, stiffness, damping and forces; a curve that folds; unbalance; coupled damping."""
+    unbalance = Excitation.unbalance([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 1.5e-5)
+    inputs = [
+        row_of_masses(),
+        row_of_masses(force=40.0, preload=20.0),
+        row_of_masses(mass=1.2, stiffness=1.3e6, damping_ratio=0.01),
+        row_of_masses(preload=-1.0, force=20.0),
+        row_of_masses(excitation=unbalance),
+        row_of_masses(damping=COUPLED, damping_ratio=None),
+        row_of_masses(residual_traction=np.array([[6.0, -8.0]])),
+    ]
+    result = batch(*inputs)
+    assert result.converged.all()
+    assert not any(curve.alone for curve in result.curves)
+    states = set(np.concatenate([curve.contact_state.ravel() for curve in result.curves]))
+    assert states == set(ContactState)
+    for given, curve in zip(inputs, result.curves, strict=True):
+        response = ordinary(given, outputs=given.output)
+        assert curve.frequency_hz[[0, -1]] == pytest.approx(WINDOW_HZ, rel=1e-14)
+        assert (curve.residual < 1e-7).all()
+        solutions = nearest_solutions(given, response, curve)
+        assert len(solutions) > 8
+        for point, output in solutions:
+            assert np.abs(curve.coefficients[point] - output).max() < 1e-8 * np.abs(output).max()
+        assert curve.peak_amplitude == pytest.approx(response.amplitude(given.output).max(), rel=2e-3)
+    hardening = result.curves[3].frequency_hz  # a gap that closes
+    assert np.diff(hardening).min() < 0.0
+
+
+@pytest.mark.slow
+def test_three_pairs_of_a_row() -> None:
+    inputs = [row_of_masses(3, force=force, preload=30.0) for force in (10.0, 20.0)]
+    for given, curve in zip(inputs, batch(*inputs).curves, strict=True):
+        for point, output in nearest_solutions(given, ordinary(given), curve):
+            assert np.abs(curve.coefficients[point] - output).max() < 1e-8 * np.abs(output).max()
+
+
+@pytest.mark.slow
+def test_a_peak_is_exact() -> None:
+    """Against the highest of 400 solutions around it. The ripple of 512 samples is below 1e-5."""
+    given = row_of_masses()
+    curve = batch(given, samples=512).curves[0]
+    beside = (curve.peak_frequency_hz - 0.8, curve.peak_frequency_hz + 0.8)
+    steps = following.SETTINGS.__class__(largest_step=0.01, first_step=0.01)
+    response = ordinary(given, beside, samples=512, continuation=steps)
+    assert response.n_points > 90
+    assert curve.peak_amplitude == pytest.approx(response.amplitude(given.output).max(), rel=1e-4)
+    assert curve.amplitude.max() == curve.peak_amplitude
+
+
+@pytest.mark.slow
+def test_a_curve_does_not_depend_on_its_neighbours() -> None:
+    inputs = [row_of_masses(force=force, preload=preload) for force, preload in ((10.0, 60.0), (25.0, 30.0), (5.0, 90.0))]
+    together = batch(*inputs).curves
+    for given, curve in zip(inputs, together, strict=True):
+        (alone,) = batch(given).curves
+        for name in ("frequency_hz", "amplitude", "residual"):
+            np.testing.assert_allclose(getattr(alone, name), getattr(curve, name), rtol=1e-10, atol=1e-10)
+        np.testing.assert_array_equal(alone.contact_state, curve.contact_state)
+
+
+@pytest.mark.slow
+def test_no_step_crosses_a_sharp_resonance() -> None:
+    """Stuck pairs with a damping ratio of 1e-5: a linear resonance of 4 mHz, of height F / (2 zeta k)."""
+    given = row_of_masses(force=1e-3, preload=60.0, damping_ratio=1e-5)
+    curve = batch(given).curves[0]
+    assert not curve.contact_state.any()
+    assert curve.peak_amplitude == pytest.approx(1e-3 / (2e-5 * 1.5e6), rel=1e-4)
+    assert curve.peak_frequency_hz == pytest.approx(np.sqrt(1.5e6) / (2.0 * np.pi), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_curve_that_the_batch_loses_is_solved_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = row_of_masses()
+    monkeypatch.setattr(following, "MOST_POINTS", 20)
+    result = batch(given)
+    (curve,) = result.curves
+    assert "20 points were not enough" in curve.alone
+    assert curve.converged
+    response = ordinary(given, outputs=given.output)
+    np.testing.assert_allclose(curve.amplitude, response.amplitude(given.output), rtol=1e-12)
+    np.testing.assert_array_equal(curve.residual, response.residual)
+    assert curve.peak_amplitude == pytest.approx(curve.amplitude.max(), rel=2e-3)
+    assert repr(result) == "BatchResponse(1 curves, 1 solved alone, 0 not complete)"
+
+
+@pytest.mark.slow
+def test_a_curve_without_a_first_point_has_no_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*given: Any, **options: Any) -> ForcedResponse:
+        raise ConvergenceError("no solution at the first frequency")
+
+    monkeypatch.setattr(following, "MOST_POINTS", 20)
+    monkeypatch.setattr(curve_results, "unreported_response", fail)
+    (curve,) = batch(row_of_masses()).curves
+    assert not curve.converged
+    assert curve.frequency_hz.size == 0
+    assert np.isnan(curve.peak_amplitude)
+    assert "no solution" in curve.message
+
+
+def elastic(given: SolverInput) -> SolverInput:
+    return replace(given, pairs=ContactPairs.with_laws(np.eye(3), [ElasticLaw(1, [[1e6, 1e6, 1e6]])]))
+
+
+def whirling(given: SolverInput) -> SolverInput:
+    turn = np.zeros((3, 3))
+    turn[0, 1], turn[1, 0] = 1.0, -1.0
+    return replace(given, superelement=replace(given.superelement, gyroscopic=turn))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda given: row_of_masses(2),
+        elastic,
+        whirling,
+        lambda given: replace(given, output=np.ones(2)),
+        lambda given: replace(given, structure=object()),
+    ],
+    ids=["sizes", "law", "gyroscopic", "output", "structure"],
+)
+def test_inputs_that_a_batch_cannot_contain(change: Callable[[SolverInput], SolverInput]) -> None:
+    given = row_of_masses()
+    with rejects(InputError, "inputs"):
+        batch(given, change(given))
+
+
+@pytest.mark.parametrize("inputs", [[]])
+def test_an_empty_batch(inputs: Sequence[SolverInput]) -> None:
+    with rejects(InputError, "inputs"):
+        batch(*inputs)
