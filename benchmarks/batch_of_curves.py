@@ -2,8 +2,8 @@
 
 ``OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 python benchmarks/batch_of_curves.py`` prints the table of docs/scaling.md:
 random preloads and forces on one structure, 3 harmonics, 64 samples. The structures are a row of 1 or 3 masses with a
-pair each, and the blade with 10 and 40 contacts of ``data/``. ``--quick`` omits the batches of 128 curves. The script fails if
-the peaks of a batch differ from those of the ordinary curves.
+pair each, and the blade with 10 and 40 contacts of ``data/``. ``--quick`` omits the batches of 128 curves. The script
+fails if the peaks of a batch differ from those of the ordinary curves.
 """
 
 from __future__ import annotations
@@ -117,38 +117,34 @@ def row(n_pairs: int, batches: Sequence[int]) -> list[str]:
     """The cells of the table for a number of pairs. Raises AssertionError if peaks differ."""
     problem = problem_with(n_pairs)
     inputs = problem.inputs(max(batches))
-    ordinary: list[ss.ForcedResponse] = []
 
-    def solve_alone(few: Sequence[ss.SolverInput]) -> None:
-        for each in few:
-            ordinary.append(
-                ss.forced_response(
-                    each.superelement,
-                    each.pairs,
-                    each.excitation,
-                    frequency_hz=problem.window_hz,
-                    harmonics=3,
-                    samples=64,
-                    modal_damping_ratio=each.modal_damping_ratio,
-                    checks=False,
-                    threads=1,
-                )
-            )
+    def ordinary(each: ss.SolverInput) -> ss.ForcedResponse:
+        return ss.forced_response(
+            each.superelement,
+            each.pairs,
+            each.excitation,
+            frequency_hz=problem.window_hz,
+            harmonics=3,
+            samples=64,
+            modal_damping_ratio=each.modal_damping_ratio,
+            checks=False,
+            threads=1,
+        )
 
     def batch(count: int) -> ss.BatchResponse:
         return ss.batch_response(inputs[:count], frequency_hz=problem.window_hz, harmonics=3, samples=64, threads=1)
 
-    solve_alone(inputs[:1])  # compiles
+    ordinary(inputs[0])  # compiles
     batch(2)
-    ordinary.clear()
     few = inputs[:MOST_ALONE]
-    alone = seconds(lambda: solve_alone(few)) / len(few)
+    responses: list[ss.ForcedResponse] = []
+    alone = seconds(lambda: responses.extend(map(ordinary, few))) / len(few)
     cells = [str(n_pairs), f"{1e3 * alone:.0f} ms"]
     for count in batches:
         times = seconds(lambda count=count: batch(count)) / count  # type: ignore[misc]
         cells.append(f"{1e3 * times:.0f} ms, {alone / times:.1f}")
     result = batch(len(few))
-    heights = np.array([each.amplitude(problem.output).max() for each in ordinary])
+    heights = np.array([each.amplitude(problem.output).max() for each in responses])
     differences = result.peak_amplitude / heights - 1.0
     assert np.abs(differences).max() < LARGEST_DIFFERENCE, differences
     lost = sum(bool(curve.alone) for curve in result.curves)
