@@ -36,7 +36,7 @@ def row_of_masses(
     vector[:3] = force * np.array([1.0, 0.3, 0.2])
     pairs = ContactPairs(np.eye(size), 1.0e6, 5.0e5, 0.3, np.full(n_pairs, preload), **constants)
     return SolverInput(
-        Superelement(mass * np.eye(size), matrix, damping),
+        Superelement(mass * np.eye(size), np.asarray(matrix, dtype=float), damping),
         pairs,
         excitation or Excitation.force(vector, np.zeros(size)),
         np.eye(size)[0],
