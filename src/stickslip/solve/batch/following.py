@@ -31,8 +31,9 @@ SETTINGS = ContinuationSettings()
 # the curve has a corner: all steps turn down to the shortest one, which accepts it. Halves would take twice the
 # corrections.
 OF_TURNING = 0.25
-# chosen: five times the points of usual curves; one with more is a loop, or has more corners than points between them.
-MOST_POINTS = 500
+# chosen: ten times the points of usual curves, and twice those of curves with many resonances of the torture set; one
+# with more is a loop, or the contact rattles.
+MOST_POINTS = 1000
 FIRST, STEP, LANDING = range(3)  # what the present correction of a curve is
 
 
