@@ -70,35 +70,44 @@ def nearest_solutions(given: SolverInput, response: ForcedResponse, curve: Batch
     return solutions
 
 
+# Other masses, stiffness, damping and forces, a gap, unbalance, damping that couples the modes, tractions at rest.
+DIFFERENT = {
+    "slip": row_of_masses(),
+    "more slip": row_of_masses(force=40.0, preload=20.0),
+    "other structure": row_of_masses(mass=1.2, stiffness=1.3e6, damping_ratio=0.01),
+    "gap": row_of_masses(preload=-1.0, force=20.0),
+    "unbalance": row_of_masses(excitation=Excitation.unbalance([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 1.5e-5)),
+    "coupled": row_of_masses(damping=COUPLED, damping_ratio=None),
+    "kept": row_of_masses(residual_traction=np.array([[6.0, -8.0]])),
+}
+
+
+@pytest.fixture(scope="module")
+def different() -> dict[str, BatchCurve]:
+    return dict(zip(DIFFERENT, batch(*DIFFERENT.values()).curves, strict=True))
+
+
 @pytest.mark.slow
-def test_each_curve_is_that_of_its_own_structure() -> None:
-    """Slip, separation, other masses, stiffness, damping and forces; a curve that folds; unbalance; coupled damping."""
-    unbalance = Excitation.unbalance([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 1.5e-5)
-    inputs = [
-        row_of_masses(),
-        row_of_masses(force=40.0, preload=20.0),
-        row_of_masses(mass=1.2, stiffness=1.3e6, damping_ratio=0.01),
-        row_of_masses(preload=-1.0, force=20.0),
-        row_of_masses(excitation=unbalance),
-        row_of_masses(damping=COUPLED, damping_ratio=None),
-        row_of_masses(residual_traction=np.array([[6.0, -8.0]])),
-    ]
-    result = batch(*inputs)
-    assert result.converged.all()
-    assert not any(curve.alone for curve in result.curves)
-    states = set(np.concatenate([curve.contact_state.ravel() for curve in result.curves]))
-    assert states == set(ContactState)
-    for given, curve in zip(inputs, result.curves, strict=True):
-        response = ordinary(given, outputs=given.output)
-        assert curve.frequency_hz[[0, -1]] == pytest.approx(WINDOW_HZ, rel=1e-14)
-        assert (curve.residual < 1e-7).all()
-        solutions = nearest_solutions(given, response, curve)
-        assert len(solutions) > 8
-        for point, output in solutions:
-            assert np.abs(curve.coefficients[point] - output).max() < 1e-8 * np.abs(output).max()
-        assert curve.peak_amplitude == pytest.approx(response.amplitude(given.output).max(), rel=2e-3)
-    hardening = result.curves[3].frequency_hz  # a gap that closes
-    assert np.diff(hardening).min() < 0.0
+@pytest.mark.parametrize("name", DIFFERENT)
+def test_each_curve_is_that_of_its_own_structure(name: str, different: dict[str, BatchCurve]) -> None:
+    given, curve = DIFFERENT[name], different[name]
+    assert curve.converged
+    assert not curve.alone
+    assert curve.frequency_hz[[0, -1]] == pytest.approx(WINDOW_HZ, rel=1e-14)
+    assert (curve.residual < 1e-7).all()
+    response = ordinary(given, outputs=given.output)
+    solutions = nearest_solutions(given, response, curve)
+    assert len(solutions) > 8
+    for point, output in solutions:
+        assert np.abs(curve.coefficients[point] - output).max() < 1e-8 * np.abs(output).max()
+    assert curve.peak_amplitude == pytest.approx(response.amplitude(given.output).max(), rel=2e-3)
+
+
+@pytest.mark.slow
+def test_the_curves_fold_and_have_all_states(different: dict[str, BatchCurve]) -> None:
+    states = np.concatenate([curve.contact_state.ravel() for curve in different.values()])
+    assert set(states) == set(ContactState)
+    assert np.diff(different["gap"].frequency_hz).min() < 0.0  # it hardens where it closes
 
 
 @pytest.mark.slow
@@ -172,6 +181,25 @@ def test_a_curve_without_a_first_point_has_no_numbers(monkeypatch: pytest.Monkey
     assert curve.frequency_hz.size == 0
     assert np.isnan(curve.peak_amplitude)
     assert "no solution" in curve.message
+
+
+@pytest.mark.slow
+def test_a_body_that_slides_on_is_solved_alone() -> None:
+    """Friction alone supports the mass along t1; its mean is that of many cycles, which is no position."""
+    given = row_of_masses(damping_ratio=0.01)
+    floating = replace(given, superelement=replace(given.superelement, stiffness=np.diag([0.0, 2e6, 4e6])))
+    (curve,) = batch(floating, window_hz=(60.0, 200.0), samples=64).curves
+    assert "slides on from cycle to cycle" in curve.alone
+    response = ordinary(floating, (60.0, 200.0), samples=64)
+    assert curve.peak_amplitude == pytest.approx(response.amplitude(given.output).max(), rel=1e-12)
+
+
+@pytest.mark.slow
+def test_a_sweep_downward_has_the_same_peak() -> None:
+    given = row_of_masses(3, force=20.0, preload=30.0)
+    upward, downward = (batch(given, window_hz=window).curves[0] for window in (WINDOW_HZ, WINDOW_HZ[::-1]))
+    assert downward.frequency_hz[[0, -1]] == pytest.approx(WINDOW_HZ[::-1], rel=1e-14)
+    assert downward.peak_amplitude == pytest.approx(upward.peak_amplitude, rel=1e-4)
 
 
 @pytest.mark.slow
