@@ -7,7 +7,7 @@ import pytest
 
 from batch_inputs import row_of_masses
 from stickslip.solve.batch.equations import StackedBalance
-from stickslip.solve.batch.systems import Planes, steps_and_directions
+from stickslip.solve.batch.systems import Planes, solutions, steps_and_directions
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.curves import FrequencyCurve
 from stickslip.solve.path.problem import Plane
@@ -62,3 +62,9 @@ def test_a_step_of_newton_is_that_of_each_curve(kind: str) -> None:
             motion = curve.measured_change(point, wanted)
             complex_motion = (motion[0::2] - 1j * motion[1::2]).T
             np.testing.assert_allclose(changes.amplitude[i], complex_motion, atol=1e-11 * np.abs(motion).max())
+
+
+def test_a_singular_system_spoils_no_other() -> None:
+    matrix = np.stack([np.eye(2), np.zeros((2, 2)), 2.0 * np.eye(2)])
+    solution = solutions(matrix, np.ones((3, 2, 1)))
+    np.testing.assert_array_equal(solution[:, 0, 0], [1.0, np.nan, 0.5])

@@ -13,14 +13,13 @@ def fill_systems(
     inputs: IndexArray,
     part: IndexArray,
     direction: IndexArray,
-    counts: IndexArray,
     mean: FloatArray,
     blocks: FloatArray,
     given: FloatArray,
     matrix: FloatArray,
     right: FloatArray,
 ) -> None:
-    """Fill ``I + D A`` and ``D given`` of G curves, of which each has K rows; those beyond its own are ``dd = 0``.
+    """Fill ``I + D A`` and ``D given`` of G curves, of which each has K rows.
 
     Parameters
     ----------
@@ -30,8 +29,6 @@ def fill_systems(
         (G, k) position in ``tangents`` of the moving pairs of a curve.
     part, direction:
         (G, K) the pair among these k, and the direction, of each row on which the deviation can change.
-    counts:
-        (G,) own rows of a curve.
     mean, blocks:
         (G, 3 k, K) and (G, 2H, 3 k, K) m/N: compliance of the moving pairs under forces in these rows, on the mean, and
         its real and imaginary parts of each harmonic.
@@ -43,12 +40,8 @@ def fill_systems(
         (G, W K + 1, 2) filled with ``D given``.
     """
     n_rows, width = part.shape[1], tangents.shape[2]
-    for b in range(len(counts)):
+    for b in range(len(part)):
         for r in range(n_rows):
-            if r >= counts[b]:
-                for p in range(width):
-                    matrix[b, p * n_rows + r, p * n_rows + r] = 1.0
-                continue
             i, t, a = 3 * part[b, r], inputs[b, part[b, r]], direction[b, r]
             for p in range(width):
                 row = matrix[b, p * n_rows + r]
@@ -59,7 +52,7 @@ def fill_systems(
                         first += derivative[q] * given[b, i + c, q, 0]
                         second += derivative[q] * given[b, i + c, q, 1]
                     of_mean = mean[b, i + c]
-                    for s in range(counts[b]):
+                    for s in range(n_rows):
                         row[s] += derivative[0] * of_mean[s]
                     # Complex amplitudes are c - i s: x_c = a d_c + b d_s and x_s = a d_s - b d_c for A = a + i b.
                     for h in range(width // 2):
@@ -67,7 +60,7 @@ def fill_systems(
                         real, imaginary = blocks[b, 2 * h, i + c], blocks[b, 2 * h + 1, i + c]
                         by_cosine = row[(2 * h + 1) * n_rows : (2 * h + 2) * n_rows]
                         by_sine = row[(2 * h + 2) * n_rows : (2 * h + 3) * n_rows]
-                        for s in range(counts[b]):
+                        for s in range(n_rows):
                             by_cosine[s] += cosine * real[s] - sine * imaginary[s]
                             by_sine[s] += cosine * imaginary[s] + sine * real[s]
                 row[p * n_rows + r] += 1.0

@@ -1,8 +1,8 @@
 """The Newton systems of many curves, each reduced to its moving pairs: steps, and directions of the curves.
 
 As in :mod:`stickslip.solve.harmonic.reduced`: the unknowns are the changes ``dd`` of the deviation on the rows where it
-can change, and the change of the frequency. The last row is the plane of the continuation. Curves with about as many
-rows are solved together; a row that a curve lacks is the equation ``dd = 0`` there.
+can change, and the change of the frequency. The last row is the plane of the continuation. Curves with the same number
+of rows are solved together.
 """
 
 from __future__ import annotations
@@ -19,10 +19,6 @@ from stickslip.solve.batch.gains import Gain
 from stickslip.solve.batch.kernel import fill_systems
 from stickslip.solve.harmonic.gain import ComplexArray
 from stickslip.solve.harmonic.harmonic_modes import IndexArray
-
-# chosen: curves are solved together if their numbers of rows are the same, rounded up to a multiple of this: the rows
-# of a pair that separates. Larger groups would solve more rows that nobody needs.
-ROWS_OF_A_GROUP = 3
 
 
 @dataclass(frozen=True)
@@ -90,10 +86,8 @@ class _Rows:
 
     def groups(self) -> Iterator[tuple[IndexArray, int]]:
         """The curves that are solved together, and the number of rows of their systems."""
-        wide = -(-self.counts // ROWS_OF_A_GROUP) * ROWS_OF_A_GROUP
-        for width in np.unique(wide):
-            group = np.flatnonzero(wide == width)
-            yield group, int(self.counts[group].max())
+        for width in np.unique(self.counts):
+            yield np.flatnonzero(self.counts == width), int(width)
 
 
 def _positions(mask: BoolArray, counts: IndexArray) -> IndexArray:
@@ -131,9 +125,8 @@ def steps_and_directions(
         parts = _Group(own, gain, tangents, rows, group, width)
         solution = parts.solve(given[group], lines[group], corner[group], values[group])
         by_frequency[:, group] = solution[:, -1].T
-        where, place = np.nonzero(np.arange(width) < rows.counts[group, None])
-        inner = solution[:, :-1].reshape(len(group), shape[2], width, 2)[where, :, place]
-        deviations[:, group[where], rows.outputs[group[where], place]] = inner.transpose(2, 0, 1)
+        inner = solution[:, :-1].reshape(len(group), shape[2], width, 2)
+        deviations[:, group[:, None], rows.outputs[group, :width]] = inner.transpose(3, 0, 2, 1)
 
     def completed(which: int, left: FloatArray | float) -> Changes:
         """All changes: ``dx = -R - R_w dw - A dd``, with the residual R that is ``left``."""
@@ -160,7 +153,7 @@ def _deviation_tangents(
 
 
 class _Group:
-    """The systems of some curves with about as many rows."""
+    """The systems of some curves with the same number of rows."""
 
     def __init__(
         self, own: Structures, gain: Gain, tangents: FloatArray, rows: _Rows, group: IndexArray, width: int
@@ -188,12 +181,10 @@ class _Group:
             at_inputs = np.take_along_axis(given, self._inputs[:, :, None, None], axis=1)
             fill_systems(
                 self._tangents, self._rows.inputs[group], self._rows.part[group, :width],
-                self._rows.direction[group, :width], self._rows.counts[group], self._mean, self._blocks, at_inputs,
-                matrix, right,
+                self._rows.direction[group, :width], self._mean, self._blocks, at_inputs, matrix, right,
             )  # fmt: skip
         column = right[:, :size, 1].copy()
-        is_own = np.arange(width) < self._rows.counts[group, None]
-        line = np.take_along_axis(lines, self._outputs[:, :, None], axis=1) * is_own[:, :, None]
+        line = np.take_along_axis(lines, self._outputs[:, :, None], axis=1)
         line = line.transpose(0, 2, 1).reshape(count, size)
         scale = _inverse(norm(column))
         corner = corner * scale
@@ -203,19 +194,19 @@ class _Group:
         np.negative(right[:, :size, 0], out=right[:, :size, 0])
         right[:, :size, 1] = 0.0
         right[:, size, 0], right[:, size, 1] = values * length, length
-        solution = _solutions(matrix, right)
+        solution = solutions(matrix, right)
         solution[:, size] *= scale[:, None]
         return solution
 
 
-def _solutions(matrix: FloatArray, right: FloatArray) -> FloatArray:
+def solutions(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Solutions (G, N, k) of systems (G, N, N); not finite where one is singular."""
     try:
         return np.asarray(np.linalg.solve(matrix, right), dtype=float)
     except np.linalg.LinAlgError:
         if len(matrix) == 1:
             return np.full_like(right, np.nan)
-        return np.concatenate([_solutions(matrix[i : i + 1], right[i : i + 1]) for i in range(len(matrix))])
+        return np.concatenate([solutions(matrix[i : i + 1], right[i : i + 1]) for i in range(len(matrix))])
 
 
 def _inverse(length: FloatArray) -> FloatArray:
