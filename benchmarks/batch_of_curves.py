@@ -24,8 +24,9 @@ FloatArray = NDArray[np.float64]
 BATCHES = (1, 16, 128)
 PAIRS = (1, 3, 10, 40)
 MOST_ALONE = 16  # ordinary curves of which the mean counts
-# A peak is highest between the points of an ordinary curve, and the batch has a point there.
-LARGEST_DIFFERENCE = 5e-3
+# chosen: the batch has a point at the maximum, the ordinary curve beside it: 0.6 % below in a curve whose dense points
+# have the maximum of the batch. Another peak or branch would differ by more than this.
+LARGEST_DIFFERENCE = 2e-2
 
 
 @dataclass(frozen=True)
