@@ -68,6 +68,13 @@ def test_bricks_cut_into_tetrahedra_fill_the_same_space(tmp_path: Path, monkeypa
     assert setup.layout.face_pairs.n_pairs == 2 * 5 * 9
 
 
+def test_a_row_of_the_table_of_batches() -> None:
+    """The row itself asserts that the peaks agree."""
+    cells = benchmark_module("batch_of_curves").row(1, (1, 16))
+    assert len(cells) == 6
+    assert cells[-1] == "0"  # no curve was solved alone
+
+
 @pytest.mark.long
 def test_verdicts_on_stability_agree_with_time_integration(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two points of benchmarks/stability_check.py, one on each side of a fold, in each of two problems."""

@@ -75,6 +75,8 @@ from .formats.meshes.read import register_model_format as register_model_format
 from .formats.profile_file import read_profile as read_profile
 from .model.model import build_model as build_model
 from .model.parameters import case_parameters as case_parameters
+from .results.batch import BatchCurve as BatchCurve
+from .results.batch import BatchResponse as BatchResponse
 from .results.campbell import Campbell as Campbell
 from .results.campbell import Crossing as Crossing
 from .results.disk_campbell import DiskCampbell as DiskCampbell
@@ -90,6 +92,7 @@ from .results.response import ForcedResponse as ForcedResponse
 from .results.stiffness_band import StiffnessBand as StiffnessBand
 from .results.traction_band import TractionBand as TractionBand
 from .results.wear import Wear as Wear
+from .solve.batch.batch_response import batch_response as batch_response
 from .solve.campbell import campbell_diagram as campbell_diagram
 from .solve.campbell import disk_campbell_diagram as disk_campbell_diagram
 from .solve.controlled import controlled_response as controlled_response

@@ -14,7 +14,7 @@ from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import Joint
 from stickslip.model.layout import AnyStructure
-from stickslip.model.study_structure import BoolArray, ReducedStructure
+from stickslip.model.study_structure import BoolArray, ReducedStructure, study_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.moving_pairs import REACH, estimated_moving_pairs
 from stickslip.structure.elasticity import Structure
@@ -27,11 +27,12 @@ FIRST_MODES, MOST_MODES = 16, 256
 
 def require_mesh_at_rest(structure: AnyStructure) -> Structure:
     """The structure, for reduction.pairs = "moving". Raises InputError for any other than a mesh at rest."""
-    if not isinstance(structure, Structure):
+    full = study_structure(structure).full_model
+    if full is None:
         raise InputError(
             'reduction.pairs is "moving", which is for a mesh at rest. Set pairs = "all".', ("reduction.pairs",)
         )
-    return structure
+    return full
 
 
 def moving_pairs_of(

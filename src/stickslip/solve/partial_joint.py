@@ -26,8 +26,7 @@ from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.operator_products import add_springs
 from stickslip.solve.harmonic.support import only_friction_supports
 from stickslip.solve.setting_up import Balances, CurveBalances
-from stickslip.structure.partial_reduction import require_moving
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, require_moving
 
 BoolArray = NDArray[np.bool_]
 

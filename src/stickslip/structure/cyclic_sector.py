@@ -172,6 +172,11 @@ class CyclicSector:
         return cls(sectors, dense, np.empty(0, dtype=np.int64))
 
     @property
+    def has_all_pairs(self) -> bool:
+        """Each pair of a sector has unknowns."""
+        return True
+
+    @property
     def size(self) -> int:
         """Number of unknowns n of the sector."""
         return int(next(iter(self.diameters.values())).mass.shape[0])

@@ -31,7 +31,7 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.relative_model import RelativeModel
 from stickslip.structure.relative_reduction import relative_superelement
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, require_moving
 
 BLOCK = 64  # chosen: columns of the basis in memory at a time
 
@@ -107,18 +107,6 @@ def partial_superelement(
         joint_rows=rows,
         joint_operator=relative,
     )
-
-
-def require_moving(moving: NDArray[np.bool_], n_pairs: int) -> NDArray[np.bool_]:
-    """The mask (n_pairs,) of pairs that move. Raises InputError for another shape or type."""
-    mask = np.asarray(moving)
-    if mask.shape != (n_pairs,) or mask.dtype != bool:
-        raise InputError(
-            f"moving must be an array of {n_pairs} True or False, one for each pair, but it has shape {mask.shape} and "
-            f"type {mask.dtype}.",
-            arguments=["moving"],
-        )
-    return mask
 
 
 def _reduced(

@@ -26,6 +26,10 @@ class Substructure(Protocol):
     def row_size(self) -> int:
         """Number of entries of a row of an output or a pair."""
 
+    @property
+    def has_all_pairs(self) -> bool:
+        """Whether each of its pairs has unknowns, so that it can be tied."""
+
     def operator(self, pairs: PairsOfNodes) -> FloatArray:
         """(3 * n_pairs, row_size) relative displacements t1, t2, n of pairs. Raises InputError."""
 

@@ -211,6 +211,11 @@ class Superelement:
         matrix[np.arange(len(matrix)), self.joint_unknowns] = 1.0
         return matrix
 
+    @property
+    def has_all_pairs(self) -> bool:
+        """Whether each of its pairs has unknowns, so that it can be tied."""
+        return self.joint_operator is None
+
     def with_rayleigh_damping(self, mass_factor: float, stiffness_factor: float) -> Superelement:
         """With the damping ``mass_factor M + stiffness_factor K`` (1/s and s) beside its own. Raises InputError for a
         factor below zero."""
@@ -260,6 +265,18 @@ def moves_freely(stiffness: Any, modes: FloatArray) -> NDArray[np.bool_]:
     # Unknowns that a mode does not move contain round-off, whose energy is not below a fraction of itself.
     size = np.maximum(np.abs(modes), ROUND_OFF_PART * np.abs(modes).max(axis=0, initial=0.0))
     return np.asarray(energy <= RIGID_FRACTION * (size * (abs(stiffness) @ size)).sum(axis=0))
+
+
+def require_moving(moving: NDArray[np.bool_], n_pairs: int) -> NDArray[np.bool_]:
+    """The mask (n_pairs,) of pairs that move. Raises InputError for another shape or type."""
+    mask = np.asarray(moving)
+    if mask.shape != (n_pairs,) or mask.dtype != bool:
+        raise InputError(
+            f"moving must be an array of {n_pairs} True or False, one for each pair, but it has shape {mask.shape} and "
+            f"type {mask.dtype}.",
+            arguments=["moving"],
+        )
+    return mask
 
 
 def require_rayleigh_factors(mass_factor: float, stiffness_factor: float) -> None:

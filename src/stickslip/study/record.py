@@ -36,7 +36,6 @@ from stickslip.results.record import (
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.substructure import Substructure
-from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import forced_curve, solve
 from stickslip.study.facts import (
     compared_peaks,
@@ -190,8 +189,7 @@ def contact_of_modes(pairs: FacePairs, all_closed: bool, substructure: Substruct
     """
     if not all_closed:
         return f"{STUCK} {CLOSED_AT_REST}"
-    is_partial = isinstance(substructure, Superelement) and substructure.joint_operator is not None
-    return TIED if pairs.is_matching and not is_partial else STUCK
+    return TIED if pairs.is_matching and substructure.has_all_pairs else STUCK
 
 
 def _mode_rows(table: tuple[ReductionRow, ...]) -> Iterator[dict[str, Value]]:

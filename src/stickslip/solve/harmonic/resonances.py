@@ -10,6 +10,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.curves import BalancePoint
@@ -84,9 +85,14 @@ class Resonances:
         self._moving = moving
         if moving != before or not moves.any():
             return self._of_limits
+        return self._of_limits + self.of_moving(moves)
+
+    def of_moving(self, moves: BoolArray) -> list[Landmark]:
+        """Those of the tangent structure whose rows ``moves`` (m,) have no springs."""
+        moving = moves.tobytes()
         if moving not in self._of_tangent:
             self._of_tangent[moving] = self._tangent(np.flatnonzero(moves))
-        return self._of_limits + self._of_tangent[moving]
+        return self._of_tangent[moving]
 
     def _tangent(self, rows: NDArray[np.intp]) -> list[Landmark]:
         """The landmarks of the structure without the springs of some rows."""
