@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NoReturn, get_args
 
 import numpy as np
 import scipy.linalg
@@ -171,10 +171,7 @@ class CyclicSector:
             dense[diameter] = LaggedMatrices(heavy.toarray(), stiff.toarray(), lossy, gyroscopic=turning)
         return cls(sectors, dense, np.empty(0, dtype=np.int64))
 
-    @property
-    def has_all_pairs(self) -> bool:
-        """Each pair of a sector has unknowns."""
-        return True
+    has_all_pairs: ClassVar[bool] = True
 
     @property
     def size(self) -> int:

@@ -16,7 +16,7 @@ from stickslip.solve.batch.equations import StackedBalance, StackedTrial, norm
 from stickslip.solve.batch.systems import Changes, Planes, steps_and_directions
 from stickslip.solve.harmonic.gain import ComplexArray
 from stickslip.solve.harmonic.harmonic_modes import IndexArray
-from stickslip.solve.path.continuation import PATIENCE
+from stickslip.solve.path.corrector import PATIENCE
 from stickslip.solve.path.newton import HALF, ROUND_OFF_STEP, NewtonSettings
 
 SETTINGS = NewtonSettings()
