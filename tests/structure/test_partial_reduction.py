@@ -11,6 +11,7 @@ from test_relative_reduction import OTHER, SPRINGS, compliance, full_compliance,
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
+from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.partial_reduction import partial_superelement
@@ -88,6 +89,13 @@ def test_more_modes_never_make_it_stiffer(held_block: Structure) -> None:
         sizes.append(superelement.size)
     assert (np.diff(sizes) > 0).all()
     assert (np.diff(lowest, axis=0) <= 1e-8 * np.array(lowest[:-1])).all()
+
+
+def test_shapes_that_a_reduction_contains_add_nothing(held_block: Structure) -> None:
+    recovery = craig_bampton(held_block, OTHER, 3).recovery
+    contained = (recovery @ np.eye(recovery.shape[1]))[held_block.free_unknowns]
+    assert recovery.with_shapes(contained[:, :2]).shape == recovery.shape
+    assert recovery.with_shapes(contained).shape == recovery.shape
 
 
 def test_the_motion_of_the_mesh_is_that_with_stuck_pairs(held_block: Structure) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.case.case import Case, CyclicCase, MatrixCase, MeshCase, TwoBladeCase
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import BoolArray
 from stickslip.core.errors import keys_of_section
 from stickslip.core.plausible import suspecting
 from stickslip.core.progress import ProgressCallback
@@ -25,7 +26,7 @@ from stickslip.model.kinds.two_blade import TwoBladeKind
 from stickslip.model.layout import AnyStructure, Layout, Setup
 from stickslip.model.moving_joint import moving_pairs_of, reduced_to_moving, require_mesh_at_rest
 from stickslip.model.solved_preload import SolvedPreload, resting_joint, solve_preload
-from stickslip.model.study_structure import BoolArray, ReducedStructure, StudyStructure, study_structure
+from stickslip.model.study_structure import ReducedStructure, StudyStructure, study_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.substructure import Substructure

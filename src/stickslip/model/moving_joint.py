@@ -6,19 +6,20 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse
 
 from stickslip.case.case import Case
+from stickslip.contact.law.law import BoolArray
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import Joint
 from stickslip.model.layout import AnyStructure
-from stickslip.model.study_structure import BoolArray, ReducedStructure, study_structure
+from stickslip.model.study_structure import ReducedStructure, study_structure
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.moving_pairs import REACH, estimated_moving_pairs
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.front_reduction import lowest_mesh_modes
+from stickslip.structure.joined import stiffness_with_springs
 from stickslip.structure.partial_reduction import partial_superelement
 
 # chosen: modes of the first attempt, and most of all, to reach the highest excited frequency.
@@ -45,16 +46,16 @@ def moving_pairs_of(
     """(n_pairs,) the pairs that can move in the range of [solver], see :func:`estimated_moving_pairs`.
 
     ``excitation_of(modes)`` is the excitation on the amplitudes of modes (full_size, k) of the mesh. Raises InputError
-    and ConvergenceError, see :func:`joined_modes`.
+    and ConvergenceError, see
+    :func:`lowest_mesh_modes`.
     """
     window = 2.0 * np.pi * np.array([case.solver.frequency_start, case.solver.frequency_stop])
     rows = joint.face_pairs.mesh_operator(structure.mesh.n_nodes)
-    operator = structure.of_unknowns(rows)
-    stuck = structure.stiffness + operator.T @ scipy.sparse.diags(joint.resting_springs) @ operator
+    stuck = stiffness_with_springs(structure, rows, joint.resting_springs)
     most = min(MOST_MODES, structure.stiffness.shape[0] - 1)
     count = min(FIRST_MODES, most)
     while True:
-        frequency_hz, shapes = lowest_mesh_modes(structure, stuck.tocsr(), count, threads)
+        frequency_hz, shapes = lowest_mesh_modes(structure, stuck, count, threads)
         modes = structure.expand(shapes)
         excitation = excitation_of(modes)
         if 2.0 * np.pi * frequency_hz[-1] > REACH * excitation.harmonics * window.max() or count == most:

@@ -8,8 +8,8 @@ from functools import singledispatch
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip.contact.law.law import BoolArray
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import concerning
 from stickslip.core.progress import ProgressCallback
@@ -35,8 +35,6 @@ from stickslip.structure.rotating_superelement import RPM, RotatingSuperelement
 from stickslip.structure.sector_structure import SectorStructure
 from stickslip.structure.substructure import Substructure
 from stickslip.structure.superelement import Superelement
-
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

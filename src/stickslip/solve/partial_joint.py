@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import BoolArray
 from stickslip.core.errors import InputError
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_structures import CurveInput, StructureBalances, curve_structure
@@ -27,8 +28,6 @@ from stickslip.solve.harmonic.operator_products import add_springs
 from stickslip.solve.harmonic.support import only_friction_supports
 from stickslip.solve.setting_up import Balances, CurveBalances
 from stickslip.structure.superelement import Superelement, require_moving
-
-BoolArray = NDArray[np.bool_]
 
 # The curve of a structure with pairs: :func:`forced_response` with its other arguments.
 CurveOf = Callable[[Superelement, ContactPairs], ForcedResponse]

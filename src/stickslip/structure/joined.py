@@ -114,6 +114,12 @@ def _unknowns(model: Structure | Superelement, nodes: IntArray) -> IntArray:
     return np.stack([model.unknowns_of(node) for node in nodes])
 
 
+def stiffness_with_springs(structure: Structure, rows: Any, springs: FloatArray) -> Any:
+    """csr ``K + B^T diag(springs) B`` (n_free, n_free) of rows B (m, 3 * n_nodes) and springs (m,) N/m."""
+    operator = structure.of_unknowns(rows)
+    return (structure.stiffness + operator.T @ (scipy.sparse.diags(springs) @ operator)).tocsr()
+
+
 def joined_modes(
     model: Structure | Superelement, pairs: NodePairs, count: int, springs: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:

@@ -16,7 +16,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
@@ -26,7 +25,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.front_reduction import lowest_mesh_modes
-from stickslip.structure.joined import NodePairs
+from stickslip.structure.joined import NodePairs, stiffness_with_springs
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.relative_model import RelativeModel
@@ -86,9 +85,8 @@ def partial_superelement(
         )
     rows = pairs.mesh_operator(structure.mesh.n_nodes).tocsr()
     resting = np.repeat(~chosen, 3)
-    operator = structure.of_unknowns(rows[resting])
-    added = operator.T @ scipy.sparse.diags(stiffness[resting]) @ operator
-    on_springs = replace(structure, stiffness=(structure.stiffness + added).tocsr())
+    with_springs = stiffness_with_springs(structure, rows[resting], stiffness[resting])
+    on_springs = replace(structure, stiffness=with_springs)
     base = _reduced(on_springs, pairs.subset(chosen), other_nodes, n_modes, threads, progress)
     recovery = base.recovery
     if n_modes:

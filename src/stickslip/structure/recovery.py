@@ -19,7 +19,7 @@ from stickslip.structure.superelement import Superelement
 CORRECTIONS = 3
 
 
-# chosen: a further shape with less of its mass outside of the modes is one of them, by round-off.
+# chosen: a further shape with less of its mass outside of constraint modes and modes is one of them, by round-off.
 SAME_SHAPE = 1e-9
 
 _BLOCK = 64  # chosen to bound the memory of a projection
@@ -117,7 +117,14 @@ class Recovery:
         inside = self._interior
         beside = shapes[inside] + self._solve(self._coupling() @ shapes[self._boundary])
         stiffness, mass = (matrix[inside][:, inside] for matrix in (self._structure.stiffness, self._structure.mass))
-        beside /= np.sqrt(np.einsum("ij,ij->j", beside, mass @ beside))
+        length, whole = (
+            np.sqrt(np.einsum("ij,ij->j", each, matrix @ each))
+            for each, matrix in ((beside, mass), (shapes, self._structure.mass))
+        )
+        own = length**2 > SAME_SHAPE * whole**2
+        if not own.any():
+            return self
+        beside = beside[:, own] / length[own]
         for _ in range(2):  # the second time for round-off; no direction of the modes is lost
             beside = beside - self.modes @ (self.modes.T @ (mass @ beside))
         squares, turns = scipy.linalg.eigh(beside.T @ (mass @ beside))
