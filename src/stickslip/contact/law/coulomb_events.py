@@ -108,20 +108,18 @@ def corrected_samples(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def corrected_limits(limits: FloatArray, out: FloatArray) -> None:
-    """Fill ``out`` (n_pairs, n): ``max(limits, 0)`` with the corrections beside lift-off and touchdown."""
-    for pair in range(limits.shape[0]):
-        limit = limits[pair]
-        n = limit.shape[0]
-        for j in range(n):
-            out[pair, j] = max(limit[j], 0.0)
-        for j in range(n):
-            i = j - 1 if j > 0 else n - 1
-            if (limit[i] > 0.0) != (limit[j] > 0.0):
-                theta = limit[i] / (limit[i] - limit[j])
-                part = 0.5 * limit[i] * limit[j] / abs(limit[i] - limit[j])
-                out[pair, i] += (1.0 - theta) * part
-                out[pair, j] += theta * part
+def corrected_limit(limit: FloatArray, out: FloatArray) -> None:
+    """Fill ``out`` (n,): ``max(limit, 0)`` with the corrections beside lift-off and touchdown."""
+    n = limit.shape[0]
+    for j in range(n):
+        out[j] = max(limit[j], 0.0)
+    for j in range(n):
+        i = j - 1 if j > 0 else n - 1
+        if (limit[i] > 0.0) != (limit[j] > 0.0):
+            theta = limit[i] / (limit[i] - limit[j])
+            part = 0.5 * limit[i] * limit[j] / abs(limit[i] - limit[j])
+            out[i] += (1.0 - theta) * part
+            out[j] += theta * part
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -10,59 +10,42 @@ periodic state. Derivations, sign conventions and sources: docs/theory_friction.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, Protocol, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.contact.law.coulomb_energy import dissipate_pairs
-from stickslip.contact.law.coulomb_events import corrected_limits
 from stickslip.contact.law.coulomb_kernel import CodeArray
 from stickslip.contact.law.coulomb_normal_tangent import normal_tangents
-from stickslip.contact.law.coulomb_period import CYCLES, settle_pairs
+from stickslip.contact.law.coulomb_period import settle_pairs
+from stickslip.contact.law.coulomb_series import (
+    SMALLEST_LIMIT,
+    Springs,
+    Tractions,
+    add_drifts,
+    fill_limits,
+    fill_normal_forces,
+    fill_tractions,
+    series,
+)
 from stickslip.contact.law.coulomb_tangent import Basis, traction_tangents
 from stickslip.contact.law.law import ContactCycle
+from stickslip.contact.law.pair_shares import (
+    CoulombConstants,
+    FrictionConstants,
+    pairs_of_a_share,
+)
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 
 Update = Literal["tractrix", "radial"]
-# Floor of a divisor: a pair that is never closed has no positive limit.
-SMALLEST_LIMIT = 1e-300
-# chosen: with fewer pairs, to share them among threads costs more than it gains (some 12 us a pair, 50 us a share).
-PAIRS_OF_A_SHARE = 14
 MIN_SAMPLES = 8  # of a period; chosen: fewer cannot resolve a stick-slip cycle
-
-
-class FrictionConstants(Protocol):
-    """The constants of friction under any normal force; see :class:`stickslip.contact.law.friction_law.FrictionLaw`."""
-
-    @property
-    def n_pairs(self) -> int: ...
-    @property
-    def tangential_springs(self) -> FloatArray: ...
-    @property
-    def friction_coefficient(self) -> FloatArray: ...
-    @property
-    def closed_at_rest(self) -> NDArray[np.bool_]: ...
-    @property
-    def released(self) -> bool: ...
-    @property
-    def resting_traction(self) -> FloatArray: ...
-
-
-class CoulombConstants(FrictionConstants, Protocol):
-    """Those with linear normal springs; see :class:`stickslip.contact.law.coulomb.CoulombLaw`."""
-
-    @property
-    def normal_stiffness(self) -> FloatArray: ...
-    @property
-    def offset_force(self) -> FloatArray: ...
-    @property
-    def normal_load(self) -> FloatArray: ...
 
 
 @dataclass(frozen=True)
@@ -92,19 +75,6 @@ class HarmonicForce:
     period_start: FloatArray
 
 
-@dataclass(frozen=True)
-class FrictionPeriods:
-    """Periodic states, pair by pair: forces T and samples for sums (n_pairs, 2, n) N, step codes (n_pairs, n)."""
-
-    forces: FloatArray
-    samples: FloatArray
-    modes: CodeArray
-    state: CodeArray
-    deviates: NDArray[np.bool_]
-    closure: FloatArray
-    starts: FloatArray
-
-
 def harmonic_force(
     coefficients: ArrayLike, pairs: CoulombConstants, samples: int, update: Update = "tractrix"
 ) -> HarmonicForce:
@@ -127,21 +97,21 @@ def harmonic_force(
         the result is NaN.
     """
     displacement = _coefficients(coefficients, pairs.n_pairs, samples)
-    limits = _limits(displacement, pairs, samples)
-    force = np.empty_like(displacement)
-    force[:, :2], deviates, periods = friction_force(displacement, limits, pairs, update)
-    force[:, 2] = pairs.normal_stiffness[:, None] * displacement[:, 2]
-    force[:, 2, 0] += np.minimum(
-        pairs.offset_force, 0.0
-    )  # a gap that stays closed: N = k_n n - gap force, zero at rest
-    opens = (limits <= 0.0).any(axis=1)
-    if opens.any():
-        pressed = np.empty((int(opens.sum()), samples))
-        corrected_limits(limits[opens], pressed)
-        normal = pressed / pairs.friction_coefficient[opens, None]
-        analysis = analysis_matrix(displacement.shape[2] // 2, samples)
-        force[opens, 2] = (normal - pairs.normal_load[opens, None]) @ analysis.T
-    return HarmonicForce(force, periods.state, deviates, periods.closure, periods.starts)
+    require_choice("update", update, get_args(Update))
+    limits = np.empty((pairs.n_pairs, samples))
+    waves, weights = series(displacement.shape[2] // 2, samples)
+    friction, stiffness, offset = pairs.friction_coefficient, pairs.normal_stiffness, pairs.offset_force
+    filled, fill_friction = _filling_tractions(displacement, limits, pairs, update)
+
+    def fill(start: int, stop: int) -> None:
+        fill_limits(displacement, friction, stiffness, offset, waves, limits, start, stop)
+        fill_friction(start, stop)
+        fill_normal_forces(
+            displacement, limits, friction, stiffness, offset, pairs.normal_load, weights, filled.force, start, stop
+        )
+
+    in_shares(fill, pairs.n_pairs, pairs_of_a_share(pairs.n_pairs))
+    return HarmonicForce(*filled)
 
 
 def harmonic_tangent(
@@ -163,35 +133,52 @@ def harmonic_tangent(
     require_choice("update", update, get_args(Update))
     chosen = np.arange(pairs.n_pairs)[np.asarray(select)]
     width = displacement.shape[2]
-    limits = _limits(displacement, pairs, samples)
+    tangent = np.zeros((len(chosen), 3, width, 3, width))
+    if not len(chosen):
+        return tangent
     if period_start is None:
         period_start = harmonic_force(displacement, pairs, samples, update).period_start
-    tangent = np.zeros((len(chosen), 3, width, 3, width))
-    normal_tangents(limits[chosen], pairs.normal_stiffness[chosen], _basis(width // 2, samples), tangent)
-    slopes = np.repeat((pairs.friction_coefficient * pairs.normal_stiffness)[:, None], samples, axis=1)
+    limits, basis, stiffness = np.empty((pairs.n_pairs, samples)), _basis(width // 2, samples), pairs.normal_stiffness
+    fill_limits(
+        displacement, pairs.friction_coefficient, stiffness, pairs.offset_force, basis.waves, limits, 0, pairs.n_pairs
+    )
+    slopes = np.repeat((pairs.friction_coefficient * stiffness)[:, None], samples, axis=1)
     friction_tangent(displacement, limits, slopes, pairs, chosen, update, period_start, tangent)
+    normal_tangents(limits, stiffness, basis, chosen, tangent, 0, len(chosen))
     return tangent
 
 
 def friction_force(
     displacement: FloatArray, limits: FloatArray, pairs: FrictionConstants, update: Update
-) -> tuple[FloatArray, NDArray[np.bool_], FrictionPeriods]:
-    """Traction coefficients (n_pairs, 2, 2H+1) N less those at rest, which pairs deviate, and their periodic states.
+) -> HarmonicForce:
+    """Contact forces of which the normal ones are not yet filled.
 
     ``displacement`` (n_pairs, 3, 2H+1) m, ``limits`` (n_pairs, n) N with their sign, at the samples of the period.
     """
-    samples, width = limits.shape[1], displacement.shape[2]
-    paths, means = _sampled_paths(displacement, pairs, samples)
-    periods = _periods(paths, means, limits, pairs, update)
-    force = (periods.samples.reshape(-1, samples) @ analysis_matrix(width // 2, samples).T).reshape(-1, 2, width)
-    deviates = np.where(pairs.closed_at_rest, periods.deviates, (limits > 0.0).any(axis=1))
-    stuck = ~deviates & pairs.closed_at_rest
-    force[stuck] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
-    if pairs.released:
-        force[stuck, :, 0] = 0.0
-    else:
-        force[~stuck, :, 0] -= pairs.resting_traction[~stuck]
-    return force, deviates, periods
+    filled, fill = _filling_tractions(displacement, limits, pairs, update)
+    in_shares(fill, len(displacement), pairs_of_a_share(len(displacement)))
+    return HarmonicForce(*filled)
+
+
+def _filling_tractions(
+    displacement: FloatArray, limits: FloatArray, pairs: FrictionConstants, update: Update
+) -> tuple[Tractions, Callable[[int, int], None]]:
+    """Arrays for :func:`friction_force`, and what fills them from one pair to another."""
+    count, width = len(displacement), displacement.shape[2]
+    filled = Tractions(
+        np.empty((count, 3, width)),
+        np.empty(count, dtype=np.int8),
+        np.empty(count, dtype=np.bool_),
+        np.empty(count),
+        np.empty((count, 4)),
+    )
+    fourier, springs = series(width // 2, limits.shape[1]), _springs(pairs)
+    tractrix, released = update == "tractrix", pairs.released
+
+    def fill(start: int, stop: int) -> None:
+        fill_tractions(displacement, limits, springs, tractrix, released, fourier, filled, start, stop)
+
+    return filled, fill
 
 
 def friction_tangent(
@@ -208,19 +195,16 @@ def friction_tangent(
 
     ``limit_slopes`` (n_pairs, n) N/m: derivative of the limits by the closing at the samples.
     """
-    samples = limits.shape[1]
-    paths, means = _sampled_paths(displacement, pairs, samples)
-    springs = pairs.tangential_springs[chosen]
-    ratios, basis = _ratios(springs), _basis(displacement.shape[2] // 2, samples)
+    springs, basis = _springs(pairs), _basis(displacement.shape[2] // 2, limits.shape[1])
+    tractrix, released = update == "tractrix", pairs.released
 
     def differentiate(start: int, stop: int) -> None:
-        part = chosen[start:stop]
         traction_tangents(
-            paths[part], means[part], limits[part], ratios[start:stop], springs[start:stop], limit_slopes[part],
-            update == "tractrix", pairs.released, basis, period_start[part], tangent[start:stop],
+            displacement, limits, springs, limit_slopes, tractrix, released, basis, period_start, chosen, tangent,
+            start, stop,
         )  # fmt: skip
 
-    in_shares(differentiate, len(chosen), PAIRS_OF_A_SHARE)
+    in_shares(differentiate, len(chosen), pairs_of_a_share(len(chosen)))
 
 
 def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Update = "tractrix") -> ContactCycle:
@@ -256,80 +240,42 @@ def friction_cycle(
     motion: FloatArray, load: FloatArray, pairs: FrictionConstants, update: Update = "tractrix"
 ) -> ContactCycle:
     """The period of a motion (n, n_pairs, 3) m under normal forces ``load`` (n, n_pairs) N, below zero in a gap."""
+    require_choice("update", update, get_args(Update))
     springs = pairs.tangential_springs
     tangential = motion[:, :, :2]
     middle = tangential.mean(axis=0)
     closed = np.concatenate([tangential - middle, tangential[:1] - middle])
-    paths, means = _drifting(np.ascontiguousarray((closed * springs).transpose(1, 2, 0)), springs * middle, pairs)
+    paths = np.ascontiguousarray((closed * springs).transpose(1, 2, 0))
+    means = np.zeros_like(springs) if pairs.released else springs * middle
+    if not pairs.released:
+        add_drifts(paths, means, pairs.resting_traction)
     limits = np.ascontiguousarray((pairs.friction_coefficient * load).T)
-    periods = _periods(paths, means, limits, pairs, update)
-    force = np.empty_like(motion)
-    force[:, :, :2] = periods.forces.transpose(2, 0, 1)
-    force[:, :, 2] = np.maximum(load, 0.0)
-    energy = np.zeros(pairs.n_pairs)
-    dissipate_pairs(paths, limits, springs, update == "tractrix", periods.forces, periods.modes, periods.state, energy)
-    return ContactCycle(force, tangential - force[:, :, :2] / springs, periods.state, energy, periods.closure)
-
-
-def _periods(
-    paths: FloatArray, means: FloatArray, limits: FloatArray, pairs: FrictionConstants, update: Update
-) -> FrictionPeriods:
-    """March all pairs to their periodic states."""
-    require_choice("update", update, get_args(Update))
-    n_pairs, samples = limits.shape
-    periods = FrictionPeriods(
-        np.empty((n_pairs, 2, samples)),
-        np.empty((n_pairs, 2, samples)),
-        np.empty((n_pairs, samples), dtype=np.int8),
-        np.empty(n_pairs, dtype=np.int8),
-        np.empty(n_pairs, dtype=np.bool_),
-        np.empty(n_pairs),
-        np.empty((n_pairs, 4)),
-    )
-    ratios = _ratios(pairs.tangential_springs)
+    count, samples = limits.shape
+    ratios, tractrix = _ratios(springs), update == "tractrix"
+    forces, modes = np.empty((count, 2, samples)), np.empty((count, samples), dtype=np.int8)
+    state, closure = np.empty(count, dtype=np.int8), np.empty(count)
 
     def settle(start: int, stop: int) -> None:
         part = slice(start, stop)
         settle_pairs(
-            paths[part], means[part], limits[part], ratios[part], update == "tractrix",
-            periods.forces[part], periods.samples[part], periods.modes[part], periods.state[part],
-            periods.deviates[part], periods.closure[part], periods.starts[part],
+            paths[part], means[part], limits[part], ratios[part], tractrix,
+            forces[part], modes[part], state[part], closure[part],
         )  # fmt: skip
 
-    in_shares(settle, n_pairs, PAIRS_OF_A_SHARE)
-    periods.closure[:] /= np.maximum(limits.max(axis=1), SMALLEST_LIMIT)
-    return periods
+    in_shares(settle, count, pairs_of_a_share(count))
+    closure /= np.maximum(limits.max(axis=1), SMALLEST_LIMIT)
+    force = np.empty_like(motion)
+    force[:, :, :2] = forces.transpose(2, 0, 1)
+    force[:, :, 2] = np.maximum(load, 0.0)
+    energy = np.zeros(count)
+    dissipate_pairs(paths, limits, springs, tractrix, forces, modes, state, energy)
+    return ContactCycle(force, tangential - force[:, :, :2] / springs, state, energy, closure)
 
 
-def _drifting(paths: FloatArray, means: FloatArray, pairs: FrictionConstants) -> tuple[FloatArray, FloatArray]:
-    """Paths (n_pairs, 2, n + 1) K (s - mean s), changed in their place, and means (n_pairs, 2) K mean s, as the sliders
-    see them.
-
-    A released slider is at the mean. Else the path begins with the traction at rest, and drifts: each cycle adds the
-    same part of the mean displacement.
-    """
-    if pairs.released:
-        return paths, np.zeros_like(means)
-    paths += pairs.resting_traction[:, :, None]
-    paths += (means / CYCLES)[:, :, None] * np.linspace(0.0, 1.0, paths.shape[2])
-    return paths, means
-
-
-def _sampled_paths(displacement: FloatArray, pairs: FrictionConstants, samples: int) -> tuple[FloatArray, FloatArray]:
-    """Tangential paths and means (:func:`_drifting`)."""
-    synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
-    elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2]
-    closed = np.vstack([synthesis[:, 1:], synthesis[:1, 1:]])
-    paths = (elastic[:, :, 1:].reshape(-1, elastic.shape[2] - 1) @ closed.T).reshape(-1, 2, samples + 1)
-    return _drifting(paths, elastic[:, :, 0], pairs)
-
-
-def _limits(displacement: FloatArray, pairs: CoulombConstants, samples: int) -> FloatArray:
-    """(n_pairs, n) mu (N0 + kn n)."""
-    load = pairs.normal_stiffness[:, None] * displacement[:, 2]
-    load[:, 0] += pairs.offset_force
-    limits = pairs.friction_coefficient[:, None] * load
-    return np.asarray(limits @ synthesis_matrix(displacement.shape[2] // 2, samples).T)
+def _springs(pairs: FrictionConstants) -> Springs:
+    """The constants that compiled functions take."""
+    stiffness = pairs.tangential_springs
+    return Springs(stiffness, _ratios(stiffness), pairs.resting_traction, pairs.closed_at_rest)
 
 
 @lru_cache(maxsize=32)
@@ -340,6 +286,7 @@ def _basis(harmonics: int, samples: int) -> Basis:
     products = analysis[:, :, None] * synthesis[:, None, :]
     shares = np.arange(samples) / samples
     return Basis(
+        series(harmonics, samples).waves,
         synthesis,
         analysis,
         np.concatenate([np.zeros_like(analysis[:1]), np.cumsum(analysis, axis=0)]),
@@ -356,7 +303,7 @@ def _ratios(springs: FloatArray) -> FloatArray:
 
 def _coefficients(coefficients: ArrayLike, n_pairs: int, samples: int) -> FloatArray:
     """Check the shape of displacement coefficients against the pairs and the number of samples."""
-    array = np.asarray(coefficients, dtype=float)
+    array = np.ascontiguousarray(coefficients, dtype=float)
     if array.ndim != 3 or array.shape[:2] != (n_pairs, 3) or array.shape[2] % 2 == 0 or array.shape[2] < 3:
         raise InputError(
             f"coefficients must have shape (n_pairs, 3, 2 * harmonics + 1) = ({n_pairs}, 3, odd number above 1), but "

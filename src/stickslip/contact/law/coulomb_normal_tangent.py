@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.contact.law.coulomb_tangent import Basis
+from stickslip.contact.law.coulomb_tangent import Basis, IndexArray
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
@@ -40,7 +40,7 @@ def gather_opening(
 ) -> None:
     """Add the correction of the normal force where its limit passes zero between the samples ``i`` and ``j``.
 
-    ``first last / (2 |first - last|)``, at the instant of the passage (:func:`corrected_limits`).
+    ``first last / (2 |first - last|)``, at the instant of the passage (:func:`corrected_limit`).
     """
     square = (first - last) ** 2
     theta, value = first / (first - last), 0.5 * first * last / abs(first - last)
@@ -57,7 +57,18 @@ def gather_opening(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def normal_tangents(limits: FloatArray, normal_stiffness: FloatArray, basis: Basis, tangents: FloatArray) -> None:
-    """Fill the derivative of N by n in ``tangents`` (n_pairs, 3, width, 3, width)."""
-    for pair in range(limits.shape[0]):
-        normal_tangent(limits[pair], normal_stiffness[pair], basis, tangents[pair, 2, :, 2, :])
+def normal_tangents(
+    limits: FloatArray,
+    normal_stiffness: FloatArray,
+    basis: Basis,
+    chosen: IndexArray,
+    tangents: FloatArray,
+    start: int,
+    stop: int,
+) -> None:
+    """Fill the derivative of N by n of the ``chosen`` pairs ``start`` to ``stop``.
+
+    ``tangents`` (k, 3, 2H+1, 3, 2H+1) are those of all that are chosen.
+    """
+    for k in range(start, stop):
+        normal_tangent(limits[chosen[k]], normal_stiffness[chosen[k]], basis, tangents[k, 2, :, 2, :])

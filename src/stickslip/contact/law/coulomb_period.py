@@ -21,7 +21,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.contact.law.coulomb_events import corrected_samples
 from stickslip.contact.law.coulomb_kernel import (
@@ -272,6 +271,39 @@ def pair_state(motion: Motion, t1: float, t2: float, force: FloatArray, mode: Co
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def settle_pair(
+    motion: Motion, force: FloatArray, samples: FloatArray, mode: CodeArray, start: FloatArray
+) -> tuple[int, bool, float]:
+    """State of a pair after the cycles: fills force and samples (2, n), mode (n,) and start (4,).
+
+    ``samples`` are the forces with corrections, so that their sum is the integral (:func:`corrected_samples`).
+    ``start`` is y, with which the last cycle starts, and in which pairs that have shaken down still touch their limit,
+    and the force with which that cycle ends. Returns the code of the state, whether the force is another than that of
+    the springs, and N, what the period changes.
+    """
+    path, limit, mean1, mean2 = motion.path, motion.limit, motion.mean1, motion.mean2
+    n = limit.shape[0]
+    if sticks_throughout(motion):
+        for j in range(n):
+            share = j / n
+            force[0, j] = path[0, j] - share * (path[0, n] - path[0, 0]) + mean1
+            force[1, j] = path[1, j] - share * (path[1, n] - path[1, 0]) + mean2
+            samples[0, j], samples[1, j], mode[j] = force[0, j], force[1, j], STICK
+        start[0], start[1] = path[0, 0] + mean1, path[1, 0] + mean2
+        start[2], start[3] = start[0], start[1]
+        return STICK, False, 0.0
+    start[0], start[1], t1, t2 = settle(motion, force, mode)
+    start[2], start[3] = t1, t2
+    corrected_samples(path, limit, t1, t2, force, mode, samples)
+    change1, change2 = force[0, 0] - t1, force[1, 0] - t2
+    for j in range(n):  # sample 0 is that of the end
+        share = 2.0 if j == 0 else 1.0 + j / n
+        samples[0, j] -= share * change1
+        samples[1, j] -= share * change2
+    return pair_state(motion, t1, t2, force, mode), True, math.hypot(change1, change2)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def settle_pairs(
     paths: FloatArray,
     means: FloatArray,
@@ -279,41 +311,13 @@ def settle_pairs(
     ratios: FloatArray,
     tractrix: bool,
     forces: FloatArray,
-    samples: FloatArray,
     modes: CodeArray,
     states: CodeArray,
-    deviates: NDArray[np.bool_],
     closures: FloatArray,
-    starts: FloatArray,
 ) -> None:
-    """State of every pair after the cycles: fills forces and samples (n_pairs, 2, n), modes (n_pairs, n), the rest.
-
-    ``samples`` are the forces with corrections, so that their sum is the integral (:func:`corrected_samples`).
-    ``starts`` (n_pairs, 4) is y, with which the last cycle starts, and in which pairs that have shaken down still touch
-    their limit, and the force with which that cycle ends; ``closures`` (n_pairs,) N is what the period changes.
-    """
+    """State of every pair after the cycles: fills forces (n_pairs, 2, n), modes (n_pairs, n), states and closures N."""
+    samples, start = np.empty((2, limits.shape[1])), np.empty(4)
     for pair in range(limits.shape[0]):
-        path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
         mean1, mean2 = means[pair, 0], means[pair, 1]
-        motion = Motion(path, mean1, mean2, limit, ratios[pair, 0], ratios[pair, 1], tractrix)
-        n = limit.shape[0]
-        if sticks_throughout(motion):
-            for j in range(n):
-                share = j / n
-                force[0, j] = path[0, j] - share * (path[0, n] - path[0, 0]) + mean1
-                force[1, j] = path[1, j] - share * (path[1, n] - path[1, 0]) + mean2
-                samples[pair, 0, j], samples[pair, 1, j], mode[j] = force[0, j], force[1, j], STICK
-            states[pair], deviates[pair], closures[pair] = STICK, False, 0.0
-            starts[pair, 0], starts[pair, 1] = path[0, 0] + mean1, path[1, 0] + mean2
-            starts[pair, 2], starts[pair, 3] = starts[pair, 0], starts[pair, 1]
-            continue
-        starts[pair, 0], starts[pair, 1], t1, t2 = settle(motion, force, mode)
-        starts[pair, 2], starts[pair, 3] = t1, t2
-        corrected_samples(path, limit, t1, t2, force, mode, samples[pair])
-        change1, change2 = force[0, 0] - t1, force[1, 0] - t2
-        for j in range(n):  # sample 0 is that of the end
-            share = 2.0 if j == 0 else 1.0 + j / n
-            samples[pair, 0, j] -= share * change1
-            samples[pair, 1, j] -= share * change2
-        closures[pair] = math.hypot(change1, change2)
-        states[pair], deviates[pair] = pair_state(motion, t1, t2, force, mode), True
+        motion = Motion(paths[pair], mean1, mean2, limits[pair], ratios[pair, 0], ratios[pair, 1], tractrix)
+        states[pair], _, closures[pair] = settle_pair(motion, forces[pair], samples, modes[pair], start)

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.contact.law.coulomb_events import NO_ONSET, event_jacobian, onset_before_lift_off_jacobian
 from stickslip.contact.law.coulomb_kernel import (
@@ -18,8 +19,11 @@ from stickslip.contact.law.coulomb_kernel import (
     stick_jacobian,
 )
 from stickslip.contact.law.coulomb_period import CYCLES, Motion, start_force, start_jacobian, sticks_throughout
+from stickslip.contact.law.coulomb_series import Springs, fill_path
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
+
+IndexArray = NDArray[np.int64]
 
 # Two cycles are the same if the force at their start differs by less than this fraction, round-off.
 SAME_CYCLE = 1e-11
@@ -28,11 +32,13 @@ SAME_CYCLE = 1e-11
 class Basis(NamedTuple):
     """Sampled Fourier basis, width = 2 H + 1: synthesis and analysis (n, width), and running sums over the samples.
 
+    ``waves`` (width, n) are the synthesis in another order.
     ``weights[j]`` (n + 1, width) sums the analysis of the samples before j, ``products[j]`` (n + 1, width, width) its
     products with the synthesis: what a linear law gives over any run of samples. ``ramps`` (n + 1, width) does so for a
     drift that grows from 0 to 1 over the period, which takes the place of the mean.
     """
 
+    waves: FloatArray
     synthesis: FloatArray
     analysis: FloatArray
     weights: FloatArray
@@ -334,35 +340,39 @@ def pair_tangent(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def traction_tangents(
-    paths: FloatArray,
-    means: FloatArray,
+    displacements: FloatArray,
     limits: FloatArray,
-    ratios: FloatArray,
-    scales: FloatArray,
+    springs: Springs,
     limit_slopes: FloatArray,
     tractrix: bool,
     released: bool,
     basis: Basis,
     starts: FloatArray,
+    chosen: IndexArray,
     tangents: FloatArray,
+    start: int,
+    stop: int,
 ) -> None:
-    """Fill the derivatives of T1 and T2 in ``tangents`` (n_pairs, 3, width, 3, width), zero on entry.
+    """Fill the derivatives of T1 and T2 of the ``chosen`` pairs ``start`` to ``stop``.
 
+    ``tangents`` (k, 3, width, 3, width) of all that are chosen are zero on entry.
     ``limit_slopes`` (n_pairs, n) N/m are the derivatives of the ``limits`` (n_pairs, n) by the closing at each sample.
     """
-    width = basis.synthesis.shape[1]
-    tangential = np.empty((2, width, 3 * width))
-    for pair in range(limits.shape[0]):
-        ratio1, ratio2 = ratios[pair, 0], ratios[pair, 1]
-        motion = Motion(paths[pair], means[pair, 0], means[pair, 1], limits[pair], ratio1, ratio2, tractrix)
+    n, width = basis.synthesis.shape
+    tangential, path = np.empty((2, width, 3 * width)), np.empty((2, n + 1))
+    for k in range(start, stop):
+        pair, tangent = chosen[k], tangents[k]
+        ratio1, ratio2, scale = springs.ratios[pair, 0], springs.ratios[pair, 1], springs.stiffness[pair]
+        mean1, mean2 = fill_path(displacements[pair], springs, pair, released, basis.waves, path)
+        motion = Motion(path, mean1, mean2, limits[pair], ratio1, ratio2, tractrix)
         if sticks_throughout(motion):
             for q in range(1 if released else 0, width):
-                tangents[pair, 0, q, 0, q] = scales[pair, 0]
-                tangents[pair, 1, q, 1, q] = scales[pair, 1]
+                tangent[0, q, 0, q] = scale[0]
+                tangent[1, q, 1, q] = scale[1]
             continue
-        pair_tangent(motion, basis, scales[pair], limit_slopes[pair], released, starts[pair], tangential)
+        pair_tangent(motion, basis, scale, limit_slopes[pair], released, starts[pair], tangential)
         for row in range(2):
             for p in range(width):
                 for by in range(3):
                     for q in range(width):
-                        tangents[pair, row, p, by, q] = tangential[row, p, by * width + q]
+                        tangent[row, p, by, q] = tangential[row, p, by * width + q]

@@ -168,14 +168,13 @@ class ExponentialContact(FrictionLaw):
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""
         load, _ = self._loads(coefficients, samples)
-        force = np.empty_like(coefficients)
-        limits = self.friction_coefficient[:, None] * load
-        force[:, :2], deviates, periods = friction_force(coefficients, limits, self, self.update)
-        moves = np.column_stack([deviates, deviates, coefficients[:, 2].any(axis=1)])
+        friction = friction_force(coefficients, self.friction_coefficient[:, None] * load, self, self.update)
+        moves = np.column_stack([friction.deviates, friction.deviates, coefficients[:, 2].any(axis=1)])
         analysis = analysis_matrix(coefficients.shape[2] // 2, samples)
         with np.errstate(invalid="ignore"):  # an iteration with an infinite force is no solution
-            force[:, 2] = (load - self.normal_load[:, None]) @ analysis.T
-        return LawPeriod(force, moves, self._states(periods.state, load), periods.closure, periods.starts)
+            friction.force[:, 2] = (load - self.normal_load[:, None]) @ analysis.T
+        states = self._states(friction.state, load)
+        return LawPeriod(friction.force, moves, states, friction.closure, friction.period_start)
 
     def tangent(self, coefficients: FloatArray, samples: int, select: IndexArray, period: LawPeriod) -> FloatArray:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""

@@ -27,6 +27,9 @@ IndexArray = NDArray[np.int64]
 # chosen: rows of a product in one thread at a time, and columns of a sum of rows, whose sums stay in the cache.
 ROWS_AT_ONCE = 128
 COLUMNS_AT_ONCE = 512
+# chosen: numbers of a matrix for which one thread takes as long (80 us) as two threads need to begin and end together.
+NUMBERS_AT_ONCE = 150_000
+ROWS_TOGETHER = 4  # whose sums one pass over the vectors forms, see :func:`_multiply`
 # chosen: vectors for which each number of the matrix is read once; more need more registers than the processor has.
 VECTORS = 7
 
@@ -47,9 +50,14 @@ def row_products(matrix: NDArray[Any], vectors: FloatArray, rows: IndexArray | N
     for part, given in _by_vectors(vectors, answer):
         multiply = _multiply_one if len(part) == 1 else _multiply
         work = np.empty((len(given), len(chosen)))
-        in_shares(_shares(multiply, matrix, chosen, given, work), len(chosen), ROWS_AT_ONCE)
+        in_shares(_shares(multiply, matrix, chosen, given, work), len(chosen), _rows_of_a_share(matrix.shape[1]))
         part[...] = work[: len(part)]
     return answer
+
+
+def _rows_of_a_share(columns: int) -> int:
+    """Rows of so many columns that a thread takes at a time: a multiple of those that are worked on together."""
+    return max(ROWS_AT_ONCE, ROWS_TOGETHER * -(-NUMBERS_AT_ONCE // (ROWS_TOGETHER * max(columns, 1))))
 
 
 def sums_of_rows(matrix: NDArray[Any], weights: FloatArray, rows: IndexArray) -> FloatArray:
@@ -104,34 +112,55 @@ def _multiply(
 ) -> None:
     """:func:`row_products` of VECTORS vectors in the rows ``start`` to ``stop`` of the chosen ones.
 
-    The last row of an odd number is one pair with itself.
+    Where fewer than four are left, the last row stands for the missing ones.
     """
     a, b, c, d, e, f, g = vectors[0], vectors[1], vectors[2], vectors[3], vectors[4], vectors[5], vectors[6]
-    for row in range(start, stop, 2):
-        other = min(row + 1, stop - 1)
-        first, second = matrix[rows[row]], matrix[rows[other]]
+    for row in range(start, stop, ROWS_TOGETHER):
+        last = stop - 1
+        two, three, four = min(row + 1, last), min(row + 2, last), min(row + 3, last)
+        row_1, row_2, row_3, row_4 = matrix[rows[row]], matrix[rows[two]], matrix[rows[three]], matrix[rows[four]]
         a_1 = b_1 = c_1 = d_1 = e_1 = f_1 = g_1 = 0.0
         a_2 = b_2 = c_2 = d_2 = e_2 = f_2 = g_2 = 0.0
+        a_3 = b_3 = c_3 = d_3 = e_3 = f_3 = g_3 = 0.0
+        a_4 = b_4 = c_4 = d_4 = e_4 = f_4 = g_4 = 0.0
         for i in range(vectors.shape[1]):
-            x, y = first[i], second[i]
-            a_1 += x * a[i]
-            b_1 += x * b[i]
-            c_1 += x * c[i]
-            d_1 += x * d[i]
-            e_1 += x * e[i]
-            f_1 += x * f[i]
-            g_1 += x * g[i]
-            a_2 += y * a[i]
-            b_2 += y * b[i]
-            c_2 += y * c[i]
-            d_2 += y * d[i]
-            e_2 += y * e[i]
-            f_2 += y * f[i]
-            g_2 += y * g[i]
+            w, x, y, z = row_1[i], row_2[i], row_3[i], row_4[i]
+            a_1 += w * a[i]
+            b_1 += w * b[i]
+            c_1 += w * c[i]
+            d_1 += w * d[i]
+            e_1 += w * e[i]
+            f_1 += w * f[i]
+            g_1 += w * g[i]
+            a_2 += x * a[i]
+            b_2 += x * b[i]
+            c_2 += x * c[i]
+            d_2 += x * d[i]
+            e_2 += x * e[i]
+            f_2 += x * f[i]
+            g_2 += x * g[i]
+            a_3 += y * a[i]
+            b_3 += y * b[i]
+            c_3 += y * c[i]
+            d_3 += y * d[i]
+            e_3 += y * e[i]
+            f_3 += y * f[i]
+            g_3 += y * g[i]
+            a_4 += z * a[i]
+            b_4 += z * b[i]
+            c_4 += z * c[i]
+            d_4 += z * d[i]
+            e_4 += z * e[i]
+            f_4 += z * f[i]
+            g_4 += z * g[i]
         answer[0, row], answer[1, row], answer[2, row], answer[3, row] = a_1, b_1, c_1, d_1
         answer[4, row], answer[5, row], answer[6, row] = e_1, f_1, g_1
-        answer[0, other], answer[1, other], answer[2, other], answer[3, other] = a_2, b_2, c_2, d_2
-        answer[4, other], answer[5, other], answer[6, other] = e_2, f_2, g_2
+        answer[0, two], answer[1, two], answer[2, two], answer[3, two] = a_2, b_2, c_2, d_2
+        answer[4, two], answer[5, two], answer[6, two] = e_2, f_2, g_2
+        answer[0, three], answer[1, three], answer[2, three], answer[3, three] = a_3, b_3, c_3, d_3
+        answer[4, three], answer[5, three], answer[6, three] = e_3, f_3, g_3
+        answer[0, four], answer[1, four], answer[2, four], answer[3, four] = a_4, b_4, c_4, d_4
+        answer[4, four], answer[5, four], answer[6, four] = e_4, f_4, g_4
 
 
 @njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
