@@ -72,9 +72,17 @@ def changed_basis(
 def _uncoupled(stiffness: FloatArray) -> list[NDArray[np.intp]]:
     """Positions of the unknowns of a positive semi-definite matrix that other blocks do not change."""
     size = np.sqrt(np.abs(stiffness.diagonal()))
-    coupled = scipy.sparse.csr_array(np.abs(stiffness) > UNCOUPLED * np.outer(size, size))
-    count, block = scipy.sparse.csgraph.connected_components(coupled, directed=False)
-    return [np.flatnonzero(block == each) for each in range(count)]
+    coupled = np.abs(stiffness) > UNCOUPLED * size[:, None] * size
+    left, blocks = np.ones(size.size, dtype=np.bool_), []
+    while left.any():
+        block, added = np.zeros_like(left), np.zeros_like(left)
+        added[np.argmax(left)] = True
+        while added.any():
+            block |= added
+            added = coupled[added].any(axis=0) & ~block
+        left &= ~block
+        blocks.append(np.flatnonzero(block))
+    return blocks
 
 
 def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: float) -> FloatArray:

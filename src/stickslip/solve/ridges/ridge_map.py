@@ -75,12 +75,12 @@ class RidgeMap:
 
     def _counted_stage(self, value: float) -> RidgeStage:
         """The equations at a value."""
-        stage = self._make_stage(value, self._earlier)
+        stage = self._make_stage(value, self._earlier).counted(self.work)
         self.work.prepare(stage, self._earlier)
         self._earlier = stage
         if (stuck := stage.stuck_peaks(self._modes)) and stuck[0].bracketed:
             self._stuck[value] = stuck[0]
-        return stage.counted(self.work)
+        return stage
 
     def add_curve(self, value: float) -> None:
         """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""

@@ -182,11 +182,15 @@ class RidgeStage:
 
         If the highest amplitude is at an end of the window, this is a peak that is not bracketed.
         """
-        found = self.balances.closed.peaks(self.window, self.balances.force, self.output)
         if modes is None:
-            return found
+            return self._closed_peaks
         natural_hz = self.balances.closed.natural_hz
-        return [each for each in found if int(np.abs(natural_hz - each.frequency_hz).argmin()) in modes]
+        return [each for each in self._closed_peaks if int(np.abs(natural_hz - each.frequency_hz).argmin()) in modes]
+
+    @cached_property
+    def _closed_peaks(self) -> list[Peak]:
+        """All linear peaks with stuck contacts, highest first."""
+        return self.balances.closed.peaks(self.window, self.balances.force, self.output)
 
     def stuck_mode(self, number: int) -> StuckMode:
         """A mode of the stuck structure."""
@@ -267,8 +271,8 @@ class RidgeStage:
         settings, known = ContinuationSettings(largest_step=self.options.curve_step), self.curve.stuck
         balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in window or self.window)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
-        newton = self.options.newton
-        solver = self._newton(replace(newton, tolerance=self.options.curve_tolerance or newton.tolerance))
+        newton, tolerance = self.options.newton, self.options.curve_tolerance
+        solver = self._newton(newton if tolerance is None else coarse(newton, tolerance))
 
         def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
             return Branch(solver, point, end, settings, landmarks=resonances, known=known)
@@ -277,6 +281,12 @@ class RidgeStage:
         branch = walk(point, stop)
         branch.follow()
         return branch
+
+
+def coarse(newton: NewtonSettings, tolerance: float) -> NewtonSettings:
+    """The settings with a larger tolerance, and tangents of a curve whose points are as far off as their steps allow:
+    the error of a prediction is its tangent's times the step."""
+    return replace(newton, tolerance=tolerance, tangent=max(newton.tangent, math.sqrt(tolerance)))
 
 
 def more_than(harmonics: int) -> int:
