@@ -17,6 +17,7 @@ from stickslip.case.two_blade_sections import ROTATING
 from stickslip.core.errors import RoughnessError, StickslipError
 from stickslip.core.fourier import with_rows
 from stickslip.core.progress import Progress
+from stickslip.core.threads import solver_threads
 from stickslip.model.model import ReducedModel, load_joint
 from stickslip.results.checked_peak import DOUBTFUL, CheckedPeak
 from stickslip.results.peak_ridge import PeakRidge
@@ -98,7 +99,8 @@ def with_performance_curve(
         why = "the frequency curve of the study is not complete."
         return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {why}"))
     try:
-        curve = performance_curve(case, model, response, progress, threads)
+        with solver_threads(threads):
+            curve = performance_curve(case, model, response, progress, threads)
     except StickslipError as error:
         return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {error}"))
     return replace(response, performance_curve=curve)

@@ -9,7 +9,9 @@ import pytest
 from friction_cases import kept_case, make_pairs, random_case, sampled
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
+from stickslip.core.threads import solver_threads
 from stickslip.core.validation import FloatArray
 
 SAMPLES = 64
@@ -103,6 +105,27 @@ def test_tangent_of_each_regime(name: str, update: Update) -> None:
     expected = differences(x, pairs, update, STEP)
     scale = np.abs(expected).max() + np.full(1, 1e-300)
     assert relative(tangent, expected, scale)[0] < TOLERANCE
+
+
+@pytest.mark.parametrize("case", [random_case, kept_case])
+def test_a_pair_has_the_same_digits_beside_others_and_in_threads(
+    case: Callable[[int, int], tuple[FloatArray, ContactPairs]],
+) -> None:
+    x, pairs = case(3, 60)
+    force, select = harmonic_force(x, pairs, SAMPLES), np.arange(60)
+    tangent = harmonic_tangent(x, pairs, SAMPLES, select)
+    with solver_threads(3):
+        for _ in range(5):
+            again = harmonic_force(x, pairs, SAMPLES)
+            for name, array in vars(force).items():
+                np.testing.assert_array_equal(getattr(again, name), array)
+            np.testing.assert_array_equal(harmonic_tangent(x, pairs, SAMPLES, select), tangent)
+    some = np.isin(select, [5, 31, 44])
+    law = pairs.laws[0]
+    assert isinstance(law, CoulombLaw)
+    alone = law.subset(some)
+    np.testing.assert_array_equal(harmonic_force(x[some], alone, SAMPLES).force, force.force[some])
+    np.testing.assert_array_equal(harmonic_tangent(x[some], alone, SAMPLES, np.arange(3)), tangent[some])
 
 
 @pytest.mark.slow

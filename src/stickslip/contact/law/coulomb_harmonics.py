@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, get_args
+from typing import Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,18 +34,45 @@ from stickslip.contact.law.coulomb_series import (
 )
 from stickslip.contact.law.coulomb_tangent import Basis, traction_tangents
 from stickslip.contact.law.law import ContactCycle
-from stickslip.contact.law.pair_shares import (
-    CoulombConstants,
-    FrictionConstants,
-    pairs_of_a_share,
-)
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 
 Update = Literal["tractrix", "radial"]
+# chosen: with fewer pairs, to share them among threads costs more than it gains (some 12 us a pair, 50 us a share).
+PAIRS_OF_A_SHARE = 14
+# chosen: with more shares, the interpreter's own time for each is no longer small; with fewer, threads wait at the end.
+MOST_SHARES = 16
 MIN_SAMPLES = 8  # of a period; chosen: fewer cannot resolve a stick-slip cycle
+
+
+class FrictionConstants(Protocol):
+    """The constants of friction under any normal force; see :class:`stickslip.contact.law.friction_law.FrictionLaw`."""
+
+    @property
+    def n_pairs(self) -> int: ...
+    @property
+    def tangential_springs(self) -> FloatArray: ...
+    @property
+    def friction_coefficient(self) -> FloatArray: ...
+    @property
+    def closed_at_rest(self) -> NDArray[np.bool_]: ...
+    @property
+    def released(self) -> bool: ...
+    @property
+    def resting_traction(self) -> FloatArray: ...
+
+
+class CoulombConstants(FrictionConstants, Protocol):
+    """Those with linear normal springs; see :class:`stickslip.contact.law.coulomb.CoulombLaw`."""
+
+    @property
+    def normal_stiffness(self) -> FloatArray: ...
+    @property
+    def offset_force(self) -> FloatArray: ...
+    @property
+    def normal_load(self) -> FloatArray: ...
 
 
 @dataclass(frozen=True)
@@ -110,7 +137,7 @@ def harmonic_force(
             displacement, limits, friction, stiffness, offset, pairs.normal_load, weights, filled.force, start, stop
         )
 
-    in_shares(fill, pairs.n_pairs, pairs_of_a_share(pairs.n_pairs))
+    in_shares(fill, pairs.n_pairs, _pairs_of_a_share(pairs.n_pairs))
     return HarmonicForce(*filled)
 
 
@@ -156,7 +183,7 @@ def friction_force(
     ``displacement`` (n_pairs, 3, 2H+1) m, ``limits`` (n_pairs, n) N with their sign, at the samples of the period.
     """
     filled, fill = _filling_tractions(displacement, limits, pairs, update)
-    in_shares(fill, len(displacement), pairs_of_a_share(len(displacement)))
+    in_shares(fill, len(displacement), _pairs_of_a_share(len(displacement)))
     return HarmonicForce(*filled)
 
 
@@ -204,7 +231,7 @@ def friction_tangent(
             start, stop,
         )  # fmt: skip
 
-    in_shares(differentiate, len(chosen), pairs_of_a_share(len(chosen)))
+    in_shares(differentiate, len(chosen), _pairs_of_a_share(len(chosen)))
 
 
 def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Update = "tractrix") -> ContactCycle:
@@ -262,7 +289,7 @@ def friction_cycle(
             forces[part], modes[part], state[part], closure[part],
         )  # fmt: skip
 
-    in_shares(settle, count, pairs_of_a_share(count))
+    in_shares(settle, count, _pairs_of_a_share(count))
     closure /= np.maximum(limits.max(axis=1), SMALLEST_LIMIT)
     force = np.empty_like(motion)
     force[:, :, :2] = forces.transpose(2, 0, 1)
@@ -321,3 +348,8 @@ def _check_samples(samples: int, least: int, argument: str, verb: str) -> None:
             "and 8). Friction forces have kinks: use 256, or 512 and more with separation.",
             arguments=[argument],
         )
+
+
+def _pairs_of_a_share(count: int) -> int:
+    """How many of ``count`` pairs a thread takes at a time."""
+    return max(PAIRS_OF_A_SHARE, -(-count // MOST_SHARES))

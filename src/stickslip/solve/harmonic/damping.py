@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
+from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.operator_products import with_springs
 from stickslip.structure.superelement import Superelement
@@ -60,11 +61,16 @@ def changed_basis(
     """
     stiffness = contact_modes.T @ (springs[:, None] * contact_modes)
     np.fill_diagonal(stiffness, stiffness.diagonal() + circular_frequency**2)
-    squares, changed, first = np.empty(len(stiffness)), np.empty_like(modes), 0
-    for block in _uncoupled(stiffness):
-        own = slice(first, first + block.size)
-        squares[own], shapes = scipy.linalg.eigh(stiffness[np.ix_(block, block)], driver="evd", overwrite_a=True)
-        changed[:, own], first = modes[:, block] @ shapes, own.stop
+    squares, changed, blocks = np.empty(len(stiffness)), np.empty_like(modes), _uncoupled(stiffness)
+    ends = np.cumsum([block.size for block in blocks])
+
+    def solve(start: int, stop: int) -> None:
+        for block, end in zip(blocks[start:stop], ends[start:stop], strict=True):
+            own = slice(end - block.size, end)
+            squares[own], shapes = scipy.linalg.eigh(stiffness[np.ix_(block, block)], driver="evd", overwrite_a=True)
+            changed[:, own] = modes[:, block] @ shapes
+
+    in_shares(solve, len(blocks), 1)
     order = np.argsort(squares, kind="stable")
     return np.sqrt(np.maximum(squares[order], 0.0)), changed[:, order]
 

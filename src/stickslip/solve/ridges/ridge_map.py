@@ -31,6 +31,8 @@ ABOVE_RIDGES = 0.01
 JOINED = "another ridge continues it"
 # chosen: the lower end of the range moves by this factor until the minimum is enclosed.
 LOWER_BY = 2.0
+# chosen: an interval that is not divided, over the smallest step: a corner may be beside the end of such a step.
+SHORTEST = 0.5
 # chosen: a ridge is refined where it has more than this fraction of the highest one, on both sides of a switch.
 NEAR_HIGHEST = 0.95
 
@@ -220,7 +222,7 @@ class RidgeMap:
         errors, lengths = line.interval_errors(), np.diff(line.places)
         for i in np.flatnonzero(errors > self._pace.interpolation_error).tolist():
             matters = max(self._fraction_of_highest(each) for each in points[i : i + 2]) >= NEAR_HIGHEST
-            if matters and lengths[i] > self._pace.smallest_step:
+            if matters and lengths[i] > SHORTEST * self._pace.smallest_step:
                 yield float(errors[i] * lengths[i]), ridge, math.exp(0.5 * (line.places[i] + line.places[i + 1])), i
 
     def check_ends(self) -> None:

@@ -271,8 +271,8 @@ class RidgeStage:
         settings, known = ContinuationSettings(largest_step=self.options.curve_step), self.curve.stuck
         balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in window or self.window)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
-        newton, tolerance = self.options.newton, self.options.curve_tolerance
-        solver = self._newton(newton if tolerance is None else coarse(newton, tolerance))
+        newton = self.options.newton
+        solver = self._newton(replace(newton, tolerance=self.options.curve_tolerance or newton.tolerance))
 
         def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
             return Branch(solver, point, end, settings, landmarks=resonances, known=known)
@@ -281,12 +281,6 @@ class RidgeStage:
         branch = walk(point, stop)
         branch.follow()
         return branch
-
-
-def coarse(newton: NewtonSettings, tolerance: float) -> NewtonSettings:
-    """The settings with a larger tolerance, and tangents of a curve whose points are as far off as their steps allow:
-    the error of a prediction is its tangent's times the step."""
-    return replace(newton, tolerance=tolerance, tangent=max(newton.tangent, math.sqrt(tolerance)))
 
 
 def more_than(harmonics: int) -> int:
