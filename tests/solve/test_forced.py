@@ -224,7 +224,8 @@ def test_no_viscous_damping_is_solved_and_reported() -> None:
         forced_response(superelement, pairs, [5.0, 0, 0, 0, 0, 0], frequency_hz=window, harmonics=3)
     response = forced_response(superelement, pairs, [0.3, 0, 0, 0, 0, 0], frequency_hz=window, harmonics=3)
     assert response.converged, response.message
-    printed_sentence("\n".join(response.warnings))
+    # how many verdicts are doubtful beside an undamped resonance depends on the last digits
+    printed_sentence("\n".join(response.warnings), numbers=False)
     assert np.isfinite(response.linear.stuck).all()
 
 
