@@ -171,7 +171,7 @@ def harmonic_tangent(
     )
     slopes = np.repeat((pairs.friction_coefficient * stiffness)[:, None], samples, axis=1)
     friction_tangent(displacement, limits, slopes, pairs, chosen, update, period_start, tangent)
-    normal_tangents(limits, stiffness, basis, chosen, tangent, 0, len(chosen))
+    normal_tangents(limits, stiffness, basis, chosen, tangent)
     return tangent
 
 

@@ -63,12 +63,7 @@ def normal_tangents(
     basis: Basis,
     chosen: IndexArray,
     tangents: FloatArray,
-    start: int,
-    stop: int,
 ) -> None:
-    """Fill the derivative of N by n of the ``chosen`` pairs ``start`` to ``stop``.
-
-    ``tangents`` (k, 3, 2H+1, 3, 2H+1) are those of all that are chosen.
-    """
-    for k in range(start, stop):
+    """Fill the derivative of N by n of the ``chosen`` pairs in ``tangents`` (k, 3, 2H+1, 3, 2H+1)."""
+    for k in range(len(chosen)):
         normal_tangent(limits[chosen[k]], normal_stiffness[chosen[k]], basis, tangents[k, 2, :, 2, :])
