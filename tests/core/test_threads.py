@@ -16,6 +16,7 @@ from stickslip.core.threads import (
     in_shares,
     in_threads,
     library_threads,
+    side_by_side,
     solver_threads,
     thread_count,
     usable_cores,
@@ -182,3 +183,43 @@ def test_no_share_begins_after_an_error_has_arrived() -> None:
         assert count <= 2
         in_shares(lambda start, stop: None, 4, 1)
     assert len(begun) == count
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_tasks_side_by_side_answer_in_their_order(threads: int) -> None:
+    with solver_threads(threads):
+        assert side_by_side([lambda i=i: i for i in range(7)], pytest.fail) == list(range(7))  # type: ignore[misc]
+
+
+def test_two_tasks_run_at_the_same_time_and_their_loops_are_divided() -> None:
+    together = threading.Barrier(2, timeout=30.0)
+    found: list[list[tuple[int, int, str]]] = []
+
+    def task() -> None:
+        together.wait()
+        found.append(shares_of(100, 10))
+
+    with solver_threads(2):
+        side_by_side([task, task], pytest.fail)
+    for shares in found:  # by whoever is free
+        assert sum(stop - start for start, stop, _ in shares) == 100
+
+
+@pytest.mark.parametrize("failing", [0, 1])
+def test_an_error_of_a_task_stops_the_others(failing: int) -> None:
+    stopped = threading.Event()
+
+    def fail() -> None:
+        raise ZeroDivisionError
+
+    def wait() -> None:
+        if failing == 0:  # an error in this thread stops those that run
+            assert stopped.wait(30.0)
+
+    tasks = [wait, wait]
+    tasks[failing] = fail
+    with solver_threads(2):
+        with pytest.raises(ZeroDivisionError):
+            side_by_side(tasks, stopped.set)
+        assert stopped.is_set()
+        assert side_by_side([lambda: 1, lambda: 2], pytest.fail) == [1, 2]

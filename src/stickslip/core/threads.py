@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from threadpoolctl import threadpool_limits
 
@@ -20,6 +20,8 @@ MOST_BY_DEFAULT = 4
 # Size of a matrix from which its Cholesky factor and its inverse take less time with two threads of the library. With
 # 3600, factors take as long as with one; eigenvalues take 1.3 times as long, and have one.
 LARGE_MATRIX = 6000
+
+Answer = TypeVar("Answer")
 
 
 class Helpers(NamedTuple):
@@ -95,6 +97,27 @@ def in_shares(work: Callable[[int, int], None], count: int, least: int) -> None:
             each.result()
     finally:
         _HELPERS.reset(alone)
+
+
+def side_by_side(tasks: Sequence[Callable[[], Answer]], stop: Callable[[], None]) -> list[Answer]:
+    """The answers of tasks of seconds, which must not depend on each other; in the threads of :func:`solver_threads`.
+
+    The first task is that of this thread, which then takes others that nobody has begun; loops of :func:`in_shares` in
+    its tasks use threads that are free. After an error the first one is raised, and ``stop`` ends tasks that still run.
+    """
+    helpers = _HELPERS.get()
+    if helpers is None:
+        return [task() for task in tasks]
+    others = tasks[1:]
+    waiting = [helpers.pool.submit(task) for task in others]
+    try:
+        first = tasks[0]()
+        own = {i: task() for i, task in enumerate(others) if waiting[i].cancel()}
+        return [first, *(own[i] if i in own else each.result() for i, each in enumerate(waiting))]
+    except BaseException:
+        stop()
+        wait([each for each in waiting if not each.cancel()])
+        raise
 
 
 def in_threads(work: Callable[[int], None], items: Iterable[int], threads: int) -> None:

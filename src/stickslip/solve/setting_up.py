@@ -301,7 +301,8 @@ def prepare_balances(
     check_options(harmonics, samples, update, modal_damping_ratio)
     pairs = pairs.with_update(update)
     static = soft_static(superelement, pairs) if few_modes else None
-    floats = static is not None and needs_friction(superelement, pairs, static)
+    floats = known is not None and known.needs_friction(superelement, pairs)
+    floats = floats or (static is not None and needs_friction(superelement, pairs, static))
     without_friction = None if floats else factor_without_friction(superelement, pairs)
     if without_friction is None:
         # The stuck pairs of such a body carry its mean load: only they know where it is.

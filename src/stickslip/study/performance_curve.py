@@ -153,10 +153,13 @@ def performance_curve(
     ridges.add_stuck(bounds[1])
     ridges.enclose_minimum(lowest)
     ridges.check_ends()
-    work.most = work.done + REFINING * one_curve
-    ridges.refine()
-    work.most = work.done + CHECKING * one_curve
-    check = checked_minimum(ridges, pace.accuracy)
+
+    def refine() -> None:
+        work.most = work.done + REFINING * one_curve
+        ridges.refine()
+        work.most = work.done + CHECKING * one_curve
+
+    check = checked_minimum(ridges, pace.accuracy, refine)
     curve = _with_check(ridges.result(KEY, "N", next(iter(model.outputs))), check).over(excitation, NAME, "")
     settings = {
         **curve.settings,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -15,7 +16,7 @@ from stickslip.results.checked_peak import CheckedPeak
 from stickslip.solve.harmonic.peak import CurvePeak
 from stickslip.solve.ridges import ridge_check
 from stickslip.solve.ridges.ridge_check import MOST_HARMONICS, checked_minimum, highest_of
-from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage
+from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage, Work
 from stickslip.solve.setting_up import StageReport
 
 BLADE = Blade()
@@ -115,6 +116,7 @@ class Map:
         self.places, self.curves, self._seen, self._highest = places, [], seen, highest  # type: ignore[var-annotated]
         self.verified: set[float] = set()
         self.checks: list[float] = []
+        self.work = Work()
 
     def harmonics_near(self, value: float, least: int) -> int:
         return least
@@ -122,9 +124,10 @@ class Map:
     def highest_at(self, value: float) -> float:
         return self._highest
 
-    def whole_curve(self, value: float, harmonics: int) -> tuple[Stage, SimpleNamespace]:
+    def curve_task(self, value: float, harmonics: int, work: Work) -> Callable[[], tuple[Stage, SimpleNamespace]]:
         self.checks.append(value)
-        return Stage({2.0: 0.001}, {}), SimpleNamespace(complete=True, points=[])
+        work.points += 1
+        return lambda: (Stage({2.0: 0.001}, {}), SimpleNamespace(complete=True, points=[]))
 
     def result(self, *names: str) -> SimpleNamespace:
         place = self.places[min(len(self.curves), len(self.places) - 1)]
@@ -139,9 +142,11 @@ class Map:
 PEAK = SimpleNamespace(amplitude=2.0, omega=1.0, harmonics=3)
 
 
-def checked(ridges: Map, monkeypatch: pytest.MonkeyPatch) -> CheckedPeak | str | None:
+def checked(
+    ridges: Map, monkeypatch: pytest.MonkeyPatch, beside: Callable[[], None] = lambda: None
+) -> CheckedPeak | str | None:
     monkeypatch.setattr(ridge_check, "_peaks_of_curve", lambda stage, points: [PEAK])
-    return checked_minimum(ridges, 0.01)  # type: ignore[arg-type]
+    return checked_minimum(ridges, 0.01, beside)  # type: ignore[arg-type]
 
 
 def test_a_whole_curve_follows_a_minimum_that_moves(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -166,6 +171,26 @@ def test_a_check_is_not_repeated_where_the_minimum_does_not_move(monkeypatch: py
     ridges = Map([1.0, 1.0])
     assert isinstance(checked(ridges, monkeypatch), CheckedPeak)
     assert (ridges.curves, ridges.checks) == ([1.0], [1.0])
+
+
+@pytest.mark.parametrize(("moved", "checks"), [(1.005, [1.0]), (1.2, [1.0, 1.2])])
+def test_a_check_is_repeated_where_the_work_beside_it_moves_the_minimum(
+    moved: float, checks: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ridges = Map([1.0], highest=2.0)
+    found = checked(ridges, monkeypatch, lambda: ridges.places.__setitem__(0, moved))
+    assert isinstance(found, CheckedPeak)
+    assert (found.parameter, ridges.checks) == (checks[-1], checks)
+    assert ridges.work.points == len(checks)
+
+
+@pytest.mark.parametrize("places", [[None], [1.0]])
+def test_the_work_beside_a_check_is_done_without_a_minimum_too(
+    places: list[float | None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ridges = Map(places)
+    assert checked(ridges, monkeypatch, lambda: ridges.places.__setitem__(0, None)) is None
+    assert ridges.places == [None]
 
 
 def test_a_minimum_that_is_not_known_has_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:

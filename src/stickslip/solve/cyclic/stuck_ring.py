@@ -33,7 +33,7 @@ from stickslip.solve.harmonic.compliance import NEAR_RANGE, Compliance
 from stickslip.solve.harmonic.damping import modal_basis, modal_damping
 from stickslip.solve.harmonic.gain import ComplexArray
 from stickslip.solve.harmonic.support import (
-    StaticFactor,
+    StaticResponse,
     mean_factor,
     only_friction_supports,
     require_support_at_rest,
@@ -52,7 +52,7 @@ class StuckRing:
     """
 
     pairs: ContactPairs
-    mean: StaticFactor
+    mean: StaticResponse
     mean_restraint: float
     highest_omega: float  # rad/s
     circular_frequency: FloatArray

@@ -27,7 +27,7 @@ from stickslip.solve.harmonic.compliance import Compliance, usual_near_range
 from stickslip.solve.harmonic.damping import diagonal_modal_damping, modal_basis, modal_damping, modal_damping_matrix
 from stickslip.solve.harmonic.gain import ComplexArray, CoupledGain, DiagonalGain
 from stickslip.solve.harmonic.linear import LinearLimit
-from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest
+from stickslip.solve.harmonic.support import StaticResponse, mean_factor, require_support_at_rest
 from stickslip.structure.cyclic_sector import CyclicSector
 from stickslip.structure.substructure import rows_of_mean
 
@@ -89,7 +89,7 @@ class StuckSector:
     wave: TravellingWave
     all_pairs: ContactPairs
     pairs: ContactPairs
-    mean: StaticFactor
+    mean: StaticResponse
     mean_restraint: float
     highest_omega: float  # rad/s
     modal_damping_ratio: float | None

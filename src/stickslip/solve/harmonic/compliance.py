@@ -40,7 +40,9 @@ from stickslip.solve.harmonic.harmonic_modes import (
 from stickslip.solve.harmonic.operator_products import Rows, as_rows, at_unknowns, times
 from stickslip.solve.harmonic.support import (
     KnownFactors,
+    ModalStatic,
     StaticFactor,
+    StaticResponse,
     mean_factor,
     require_support_at_rest,
     restrained,
@@ -86,7 +88,7 @@ class StuckMean(Protocol):
     @property
     def pairs(self) -> ContactPairs: ...
     @property
-    def mean(self) -> StaticFactor: ...
+    def mean(self) -> StaticResponse: ...
     @property
     def mean_restraint(self) -> float: ...
     @property
@@ -217,7 +219,7 @@ class StuckStructure:
     """The structure with every contact that is closed at rest stuck, for balances with any number of harmonics."""
 
     pairs: ContactPairs
-    mean: StaticFactor
+    mean: StaticResponse
     mean_restraint: float
     circular_frequency: FloatArray  # (n,) rad/s, ascending
     modes: FloatArray  # (n, n), mass-normalised
@@ -226,9 +228,20 @@ class StuckStructure:
     origin: (
         Origin  # superelement, highest circular frequency, and damping ratio of the modes, that it was computed from
     )
-    reference: StuckStructure | None = field(
-        default=None, kw_only=True
-    )  # another one, whose modes these were computed in
+    # another one, whose modes these were computed in
+    reference: StuckStructure | None = field(default=None, kw_only=True)
+    # whether some body moves freely without friction, as far as that is known
+    floats: bool = field(default=False, kw_only=True)
+
+    def needs_friction(self, superelement: Superelement, pairs: ContactPairs) -> bool:
+        """Whether some body of these matrices, and of others where springs alone differ, moves freely without
+        friction; False leaves it open."""
+        return (
+            self.floats
+            and self.has_matrices_of(superelement, pairs)
+            and np.array_equal(self.pairs.frictional(), pairs.frictional())
+            and np.array_equal(self.pairs.resting_stiffness() > 0.0, pairs.resting_stiffness() > 0.0)
+        )
 
     def is_of(self, origin: Origin, pairs: ContactPairs) -> bool:
         """Whether the structure of other pairs has these modes: the same matrices, positions and springs at rest."""
@@ -345,15 +358,18 @@ def stuck_structure(
     if superelement.gyroscopic is not None:
         require_stable_without_contact(superelement)
     require_support_at_rest(superelement, pairs)
-    mean, restraint = mean_factor(superelement, pairs, factors)
     reference = None if known is None else known.reference or known
     if reference is not None and reference.has_matrices_of(superelement, pairs):
         springs = pairs.resting_stiffness() - reference.pairs.resting_stiffness()
         frequency, modes = changed_basis(
             reference.circular_frequency, reference.modes, reference.contact_modes, springs
         )
+        if factors is not None and factors.stuck is None:
+            factors = replace(factors, stuck=ModalStatic.of_modes(frequency, modes))
+        mean, restraint = mean_factor(superelement, pairs, factors)
     else:
         reference = None
+        mean, restraint = mean_factor(superelement, pairs, factors)
         frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
     modal: FloatArray | None
     if modal_damping_ratio is not None:
@@ -366,7 +382,10 @@ def stuck_structure(
             modal = modes.T @ superelement.damping @ modes
     if superelement.gyroscopic is not None:
         modal = (np.diag(modal) if modal.ndim == 1 else modal) + modes.T @ superelement.gyroscopic @ modes
-    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, highest_omega, origin, reference=reference)
+    return StuckStructure(
+        pairs, mean, restraint, frequency, modes, modal, highest_omega, origin, reference=reference,
+        floats=factors is not None and factors.without_friction is None,
+    )  # fmt: skip
 
 
 def require_stable_without_contact(superelement: Superelement) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
@@ -76,6 +77,10 @@ class LastFactor:
         self._keys = np.empty(0, dtype=np.int64)
         self._owner: object = None
         self._wait, self._used, self._released = 1, 0, False
+
+    def copy(self) -> LastFactor:
+        """The same factor, for systems of another thread."""
+        return copy.copy(self)
 
     def store(self, factor: Inverse, keys: NDArray[np.int64], owner: object = None) -> None:
         """The factor of a system with rows ``keys``, in their order (see :meth:`BorderedSystem.keys`); exact for its

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.linalg
@@ -36,6 +36,16 @@ SINGULAR_MEAN = 1e-11
 SUBSPACE, SUBSPACE_STEPS = 16, 6
 # chosen: rows of a large matrix at a time, so that no other array is as large.
 ROWS = 256
+
+
+class StaticResponse(Protocol):
+    """The static response of a structure with springs on its pairs, ``(K + B^T k B)^-1``."""
+
+    def solve(self, force: FloatArray) -> FloatArray:
+        """Static displacement under forces (n,) or (n, k)."""
+
+    def at_pairs(self, operator: Rows) -> FloatArray:
+        """``B (K + B^T k B)^-1 B^T`` (m, m) of the rows B (m, n) of an operator."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +95,7 @@ class StaticFactor:
         return cls(scale, (factor, True))
 
     def solve(self, force: FloatArray) -> FloatArray:
-        """Static displacement under forces (n,) or (n, k)."""
+        """See :class:`StaticResponse`."""
         scale = self._scale if force.ndim == 1 else self._scale[:, None]
         given = scale * force
         answer = scipy.linalg.cho_solve(self._factor, given, overwrite_b=True, check_finite=False)
@@ -93,7 +103,7 @@ class StaticFactor:
         return np.asarray(answer)
 
     def at_pairs(self, operator: Rows) -> FloatArray:
-        """``B (K + B^T k B)^-1 B^T`` (m, m) of the rows B (m, n) of an operator.
+        """See :class:`StaticResponse`.
 
         The inverse takes a third of the operations of solutions for all rows (LAPACK dpotri).
         """
@@ -112,11 +122,36 @@ class StaticFactor:
 
 
 @dataclass(frozen=True)
+class ModalStatic:
+    """Static response from all modes of the structure with its springs, ``phi diag(1/w^2) phi^T``: the frequencies (n,)
+    in rad/s and the mass-normalised modes (n, n)."""
+
+    circular_frequency: FloatArray
+    modes: FloatArray
+
+    @classmethod
+    def of_modes(cls, circular_frequency: FloatArray, modes: FloatArray) -> ModalStatic | None:
+        """The response, None where the structure is singular to working accuracy."""
+        lowest, highest = float(circular_frequency[0]), float(circular_frequency[-1])
+        return cls(circular_frequency, modes) if lowest**2 > SINGULAR_MEAN * highest**2 else None
+
+    def solve(self, force: FloatArray) -> FloatArray:
+        """See :class:`StaticResponse`."""
+        modal = (force.T @ self.modes) / self.circular_frequency**2
+        return np.asarray(self.modes @ modal.T)
+
+    def at_pairs(self, operator: Rows) -> FloatArray:
+        """See :class:`StaticResponse`: a product of two matrices, a fifth of the time of a factor and its inverse."""
+        shapes = times(operator, self.modes) / self.circular_frequency
+        return np.asarray(shapes @ shapes.T)
+
+
+@dataclass(frozen=True)
 class KnownFactors:
     """Factors of a structure that exist already: with all springs at rest, and with those of its pairs that no friction
     carries (None: some body would move freely without friction). The first is None if it does not exist yet."""
 
-    stuck: StaticFactor | None
+    stuck: StaticResponse | None
     without_friction: StaticFactor | None
 
 
@@ -132,7 +167,7 @@ def restrained(pairs: ContactPairs) -> NDArray[np.bool_]:
 
 def mean_factor(
     superelement: Superelement, pairs: ContactPairs, known: KnownFactors | None = None
-) -> tuple[StaticFactor, float]:
+) -> tuple[StaticResponse, float]:
     """The response to mean forces, and its restraint; springs without a mean do not act here.
 
     ``known`` factors are not computed again.

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.threads import side_by_side
 from stickslip.results.checked_peak import CheckedPeak
 from stickslip.results.peaks import peaks
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.peak import CurvePeak
 from stickslip.solve.ridges.ridge_coverage import OTHER_HARMONICS
 from stickslip.solve.ridges.ridge_map import RidgeMap
-from stickslip.solve.ridges.ridge_stage import RidgeStage, more_than
+from stickslip.solve.ridges.ridge_stage import RidgeStage, Work, more_than
 
 # chosen: peaks with at least this fraction of the highest one could be the highest; estimates of errors are smaller.
 NEAR_HIGHEST = 0.8
@@ -26,18 +27,32 @@ MOST_CURVES = 3
 SAME_PLACE = 0.01
 
 
-def checked_minimum(ridges: RidgeMap, accuracy: float) -> CheckedPeak | str | None:
+def checked_minimum(
+    ridges: RidgeMap, accuracy: float, beside: Callable[[], None] = lambda: None
+) -> CheckedPeak | str | None:
     """The highest peak at the lowest minimum with slip: why it is not known, None without such a minimum.
 
     A whole curve there has more harmonics than the ridges, and its highest peak even more, until its estimated error is
     below the ``accuracy`` or ``MOST_HARMONICS`` are reached. If that peak is none of the ridges, whole curves with
     their harmonics follow: they show peaks that no ridge has. These are followed, and the next curve is at the minimum
-    that remains. There the check is repeated. Raises InputError.
+    that remains. There the check is repeated. ``beside`` is work on the ridges at the time of the first check, which is
+    repeated where the minimum moves in it. Raises InputError.
     """
     value = _minimum(ridges)
     if value is None:
+        beside()
         return None
-    found = _check(ridges, value, accuracy)
+    work = ridges.work.rest()
+    check = _check_task(ridges, value, accuracy, work)
+    tasks: list[Callable[[], CheckedPeak | str | None]] = [beside, check]
+    found = side_by_side(tasks, ridges.work.stop)[1]
+    ridges.work.add(work)
+    minimum = _minimum(ridges)
+    if minimum is None:
+        return None
+    if found is None or abs(math.log(minimum / value)) >= SAME_PLACE:
+        value = minimum
+        found = _check(ridges, value, accuracy)
     if not isinstance(found, str) and found.amplitude <= (1.0 + OTHER_HARMONICS) * ridges.highest_at(value):
         ridges.verified.add(value)
         return found
@@ -70,17 +85,27 @@ def _minimum(ridges: RidgeMap) -> float | None:
 
 def _check(ridges: RidgeMap, value: float, accuracy: float) -> CheckedPeak | str:
     """The highest peak of a whole curve with more harmonics than the ridges, or why it is not known."""
-    try:
-        stage, branch = ridges.whole_curve(value, more_than(ridges.harmonics_near(value, 1)))
-    except ConvergenceError as failure:
-        return str(failure)
-    if not branch.complete:
-        return f"its frequency curve is not complete. {branch.message}"
-    found = _peaks_of_curve(stage, [each.point for each in branch.points])
-    if isinstance(found, str):
-        return found
-    best, error = highest_of(stage, found, accuracy)
-    return CheckedPeak(value, best.amplitude, best.omega / (2.0 * math.pi), error, best.harmonics)
+    return _check_task(ridges, value, accuracy, ridges.work)()
+
+
+def _check_task(ridges: RidgeMap, value: float, accuracy: float, work: Work) -> Callable[[], CheckedPeak | str]:
+    """See :func:`_check`: a task that may run beside other work, with its own count of ``work``."""
+    curve = ridges.curve_task(value, more_than(ridges.harmonics_near(value, 1)), work)
+
+    def task() -> CheckedPeak | str:
+        try:
+            stage, branch = curve()
+        except ConvergenceError as failure:
+            return str(failure)
+        if not branch.complete:
+            return f"its frequency curve is not complete. {branch.message}"
+        found = _peaks_of_curve(stage, [each.point for each in branch.points])
+        if isinstance(found, str):
+            return found
+        best, error = highest_of(stage, found, accuracy)
+        return CheckedPeak(value, best.amplitude, best.omega / (2.0 * math.pi), error, best.harmonics)
+
+    return task
 
 
 def _peaks_of_curve(stage: RidgeStage, points: Sequence[BalancePoint]) -> list[CurvePeak] | str:

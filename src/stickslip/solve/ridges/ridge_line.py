@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -93,6 +94,10 @@ class Ridge:
     points: list[RidgePoint]
     ends: tuple[str, str]
     _line: tuple[tuple[int, ...], RidgeLine] | None = None
+
+    def insert(self, point: RidgePoint) -> None:
+        """Add a point at its place."""
+        bisect.insort(self.points, point, key=lambda each: each.parameter)
 
     @property
     def line(self) -> RidgeLine:

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import partial
 
 import numpy as np
 
 from stickslip.core.errors import ConvergenceError, StickslipError
+from stickslip.core.threads import Answer, side_by_side
 from stickslip.core.validation import FloatArray
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.ridges import ridge_coverage as cover
+from stickslip.solve.ridges.ridge_intervals import Interval, apart, inaccurate_intervals
 from stickslip.solve.ridges.ridge_line import Ridge
 from stickslip.solve.ridges.ridge_result import ridge_result
 from stickslip.solve.ridges.ridge_stage import RidgeStage, StageMaker, Work
 from stickslip.solve.ridges.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
+from stickslip.solve.ridges.stage_chain import StageChain
 from stickslip.solve.setting_up import StageReport
 
 # chosen: a peak is followed as long as it has at least this fraction of the highest one: others rarely rise above it
@@ -31,8 +34,6 @@ ABOVE_RIDGES = 0.01
 JOINED = "another ridge continues it"
 # chosen: the lower end of the range moves by this factor until the minimum is enclosed.
 LOWER_BY = 2.0
-# chosen: an interval that is not divided, over the smallest step: a corner may be beside the end of such a step.
-SHORTEST = 0.5
 # chosen: a ridge is refined where it has more than this fraction of the highest one, on both sides of a switch.
 NEAR_HIGHEST = 0.95
 
@@ -58,12 +59,10 @@ class RidgeMap:
         around: float | None = None,
         earlier: RidgeStage | None = None,
     ) -> None:
-        self._make_stage = stage_at
-        self._earlier = earlier
-        self._stage_at = lru_cache(maxsize=2)(self._counted_stage)
         self.work = work or Work()
+        self._stage_at = StageChain(stage_at, self.work, self._see_stuck, earlier)
         self._modes, self._around = modes, around
-        self._bounds = bounds
+        self._bounds, self._passed = bounds, (math.inf, 0.0)
         self._report = report
         self._pace = pace or Pace()
         self._named = named
@@ -75,14 +74,10 @@ class RidgeMap:
         self.warnings: list[str] = []
         self.points_of_curves = 0
 
-    def _counted_stage(self, value: float) -> RidgeStage:
-        """The equations at a value."""
-        stage = self._make_stage(value, self._earlier).counted(self.work)
-        self.work.prepare(stage, self._earlier)
-        self._earlier = stage
+    def _see_stuck(self, value: float, stage: RidgeStage) -> None:
+        """Keep the linear peak at a value."""
         if (stuck := stage.stuck_peaks(self._modes)) and stuck[0].bracketed:
             self._stuck[value] = stuck[0]
-        return stage
 
     def add_curve(self, value: float) -> None:
         """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""
@@ -110,10 +105,21 @@ class RidgeMap:
         """The equations at a value with a number of harmonics, and their frequency curve over :meth:`curve_window`.
 
         Raises ConvergenceError without a first point, and as the equations themselves."""
-        stage = self._stage_at(value).with_harmonics(harmonics)
-        branch = stage.whole_curve(self.curve_window(value))
-        self.points_of_curves += len(branch.points)
-        return stage, branch
+        return self.curve_task(value, harmonics, self.work)()
+
+    def curve_task(
+        self, value: float, harmonics: int, work: Work
+    ) -> Callable[[], tuple[RidgeStage, Branch[BalancePoint]]]:
+        """See :meth:`whole_curve`: a task that may run beside other work than that of another curve, with its own count
+        of ``work``."""
+        stage, window = self._stage_at(value).with_harmonics(harmonics).apart(work), self.curve_window(value)
+
+        def task() -> tuple[RidgeStage, Branch[BalancePoint]]:
+            branch = stage.whole_curve(window)
+            self.points_of_curves += len(branch.points)
+            return stage, branch
+
+        return task
 
     def add_peaks(self, value: float, points: Sequence[BalancePoint]) -> None:
         """Follow the peaks of a curve, given by its points, that are on no ridge yet."""
@@ -156,22 +162,34 @@ class RidgeMap:
         start = self._pace.resolved(start, stage)
         if self._is_between(start):
             return
-        parts, ends = [], []
-        for stop in self._bounds:
-            part, end = follow(self._searched, start, stop, self._pace, self._needless, self._is_low)
-            parts.append(part)
-            ends.append(end)
-        self.ridges.append(Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
+        (below, first), (above, last) = self._beside([partial(self._followed, start, stop) for stop in self._bounds])
+        self.ridges.append(Ridge([*reversed(below), start, *above], (first, last)))
 
-    def _searched(self, value: float) -> RidgeStage | str:
+    def _followed(self, start: RidgePoint, stop: float, chain: StageChain) -> tuple[list[RidgePoint], str]:
+        """See :func:`follow`, with the equations of a chain."""
+        searched = partial(self._searched, chain)
+        return follow(searched, start, stop, self._pace, self._needless, self._is_near_highest)
+
+    def _beside(self, tasks: Sequence[Callable[[StageChain], Answer]]) -> list[Answer]:
+        """The answers of independent tasks, each of which has a chain of its own."""
+        chains = [self._stage_at.apart() for _ in tasks]
+        answers = side_by_side(
+            [partial(task, chain) for task, chain in zip(tasks, chains, strict=True)], self.work.stop
+        )
+        for chain in chains:
+            self.work.add(chain.work)
+        return answers
+
+    def _searched(self, chain: StageChain, value: float) -> RidgeStage | str:
         """The equations at a value, which is reported; or why there are no equations there."""
-        if self.work.is_used_up:
+        if chain.work.is_used_up:
             return TOO_MUCH_WORK
         low, high = map(math.log, self._bounds)
-        fraction = 0.0 if high == low else (math.log(value) - low) / (high - low)
-        self._report.stage(f"peak at {self._named(value)}", min(0.99, max(0.0, fraction)))
+        self._passed = min(self._passed[0], value), max(self._passed[1], value)
+        passed = math.log(self._passed[1] / self._passed[0])
+        self._report.stage(f"peak at {self._named(value)}", min(0.99, passed / (high - low)) if high > low else 0.0)
         try:
-            return self._stage_at(value)
+            return chain(value)
         except StickslipError as error:  # a law or a static state that does not exist there
             return str(error)
 
@@ -201,29 +219,31 @@ class RidgeMap:
         """Add points where the interpolation of the highest ridge is least accurate, until it is accurate enough."""
         given_up: set[float] = set()
         while not self.work.is_used_up:
-            intervals = [each for ridge in self.ridges for each in self._inaccurate(ridge)]
-            worth = [each for each in intervals if each[2] not in given_up]
+            intervals = [
+                each
+                for ridge in self.ridges
+                for each in inaccurate_intervals(ridge, self._pace)
+                if each.middle not in given_up and any(self._is_near_highest(point) for point in each.ends)
+            ]
+            worth = apart(intervals)
             if not worth:
                 return
-            _, ridge, value, place = max(worth, key=lambda each: each[0])
-            near = sorted(ridge.points[place : place + 2], key=lambda each: each.harmonics)
-            search = self._searched(value)
-            found = search if isinstance(search, str) else self._pace.next_point(search, near, value)[0]
-            if isinstance(found, str):
-                given_up.add(value)
-            else:
-                assert not isinstance(search, str)  # it has a point
-                ridge.points.insert(place + 1, self._pace.between(found, search, near))
+            found = self._beside([partial(self._between, each) for each in worth])
+            for interval, point in zip(worth, found, strict=True):
+                if point is None:
+                    given_up.add(interval.middle)
+                else:
+                    interval.ridge.insert(point)
 
-    def _inaccurate(self, ridge: Ridge) -> Iterator[tuple[float, Ridge, float, int]]:
-        """Intervals between points that matter with an error above the accuracy: the error times the length, which
-        is the area between two lines, with the middle and the number of each."""
-        points, line = ridge.points, ridge.line
-        errors, lengths = line.interval_errors(), np.diff(line.places)
-        for i in np.flatnonzero(errors > self._pace.interpolation_error).tolist():
-            matters = max(self._fraction_of_highest(each) for each in points[i : i + 2]) >= NEAR_HIGHEST
-            if matters and lengths[i] > SHORTEST * self._pace.smallest_step:
-                yield float(errors[i] * lengths[i]), ridge, math.exp(0.5 * (line.places[i] + line.places[i + 1])), i
+    def _between(self, interval: Interval, chain: StageChain) -> RidgePoint | None:
+        """A point in the middle of an interval, None where there is none."""
+        near = sorted(interval.ends, key=lambda each: each.harmonics)
+        search = self._searched(chain, interval.middle)
+        found = search if isinstance(search, str) else self._pace.next_point(search, near, interval.middle)[0]
+        if isinstance(found, str):
+            return None
+        assert not isinstance(search, str)  # it has a point
+        return self._pace.between(found, search, near)
 
     def check_ends(self) -> None:
         """Compute a whole curve beyond each ridge that ends inside the range as the highest one. If it has larger
@@ -276,7 +296,7 @@ class RidgeMap:
         reaching = [ridge for ridge in self.ridges if ridge.points[0].parameter == self._bounds[0]]
         self._bounds = value, self._bounds[1]
         for ridge in reaching:
-            part, end = follow(self._searched, ridge.points[0], value, self._pace, self._needless, self._is_low)
+            part, end = self._followed(ridge.points[0], value, self._stage_at)
             ridge.points[:0] = reversed(part)
             ridge.ends = end, ridge.ends[1]
 
@@ -307,9 +327,9 @@ class RidgeMap:
             return ""
         return f"beyond {self._named(point.parameter)}, it is below {LEAST_FRACTION:g} of the highest peak"
 
-    def _is_low(self, point: RidgePoint) -> bool:
-        """Whether another ridge is clearly higher at the value of a point."""
-        return self._fraction_of_highest(point) < NEAR_HIGHEST
+    def _is_near_highest(self, point: RidgePoint) -> bool:
+        """Whether no other ridge is clearly higher at the value of a point."""
+        return self._fraction_of_highest(point) >= NEAR_HIGHEST
 
     def _fraction_of_highest(self, point: RidgePoint) -> float:
         """Amplitude of a point over that of the highest ridge at its value."""

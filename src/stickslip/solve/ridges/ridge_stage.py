@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from threading import Event
 
 import numpy as np
 
@@ -118,6 +119,10 @@ class RidgeStage:
     def counted(self, work: Work) -> RidgeStage:
         """The same equations, whose work is counted."""
         return replace(self, work=work, _others={})
+
+    def apart(self, work: Work) -> RidgeStage:
+        """The same equations for another thread, with a last factor and a count of ``work`` of their own."""
+        return replace(self, last=self.last.copy(), work=work, _stuck_peaks={}, _others={})
 
     @property
     def harmonics(self) -> int:
@@ -298,15 +303,35 @@ def resized_step(step: Step, harmonics: int) -> Step:
 StageMaker = Callable[[float, RidgeStage | None], RidgeStage]
 
 
+class WorkStoppedError(Exception):
+    """A task beside this one ended by an error."""
+
+
 class Work:
     """Iterations of Newton's method so far, with the preparation of the equations counted too, at most so many, and
     points of all searches, also of those without a result. Estimates of errors do not count."""
 
-    def __init__(self, most: float = math.inf) -> None:
+    def __init__(self, most: float = math.inf, stopped: Event | None = None) -> None:
         self.most, self.done, self.points = most, 0.0, 0
+        self._stopped = stopped or Event()
+
+    def rest(self) -> Work:
+        """A count of its own for a task beside others, which may do all the work that is left."""
+        return Work(self.most - self.done, self._stopped)
+
+    def stop(self) -> None:
+        """End this work and that of the tasks beside it."""
+        self._stopped.set()
+
+    def add(self, other: Work) -> None:
+        """Count the work of such a task."""
+        self.done += other.done
+        self.points += other.points
 
     def iterate(self) -> None:
         """Count an iteration."""
+        if self._stopped.is_set():
+            raise WorkStoppedError
         self.done += 1.0
 
     def see_point(self) -> None:

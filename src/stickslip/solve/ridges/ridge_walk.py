@@ -235,11 +235,11 @@ def follow(
     stop: float,
     pace: Pace,
     is_needless: Callable[[RidgePoint], str] = lambda point: "",
-    is_low: Callable[[RidgePoint], bool] = lambda point: False,
+    is_high: Callable[[RidgePoint], bool] = lambda point: True,
 ) -> tuple[list[RidgePoint], str]:
     """Points after ``start`` towards the value ``stop``, and why they end earlier, "" if they do not.
 
-    ``is_needless`` gives a reason to end at a point, or ""; beyond a point that ``is_low`` no small steps are tried.
+    ``is_needless`` gives a reason to end at a point, or ""; small steps are tried only beyond a point that ``is_high``.
     """
     points, end = [start], math.log(stop)
     direction, step, leaps = math.copysign(1.0, end - math.log(start.parameter)), pace.first_step, 0
@@ -262,7 +262,7 @@ def follow(
             if after == TOO_MUCH_WORK:
                 return points[1:], after
             step, has_failed = SHRINKAGE * length, True
-            if step < (pace.first_step * SHRINKAGE if is_low(points[-1]) else pace.smallest_step):
+            if step < (pace.smallest_step if is_high(points[-1]) else pace.first_step * SHRINKAGE):
                 # At a node of the excitation a stuck mode has no peak; beyond it the peak is there again.
                 if leaps or not points[-1].is_stuck:
                     return points[1:], f"beyond {points[-1].parameter:.4g}, {after}"
