@@ -17,7 +17,7 @@ from stickslip.solve.path.stepping import ContinuationSettings
 
 # chosen: load at the beginning of the ramp, at which few pairs slip, and the steps of the ramp, which may be long.
 FIRST_LOAD = 0.01
-RAMP = ContinuationSettings(largest_step=0.3, first_step=0.05, max_points=1000)
+RAMP = ContinuationSettings(largest_step=0.3, first_step=0.05, max_points=500)
 # chosen: harmonics of simpler balances, and multiples of the first frequency (nearest first, on both sides), in the
 # order of the attempts.
 SIMPLER_HARMONICS = (1, 3)
