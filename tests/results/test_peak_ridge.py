@@ -142,7 +142,7 @@ def test_another_scale_of_the_parameter() -> None:
 def test_the_figure_shows_peaks_limits_and_optimum() -> None:
     above, below = ridge_of((LOADS, valley(LOADS))).plot().axes
     labels = above.get_legend_handles_labels()[1]
-    assert labels == ["linear, all stuck", "linear, no contact", "highest peak", "optimum: 14.14 µm at 10 N"]
+    assert labels == ["linear, all stuck", "linear, no contact", "highest peak", "optimum:\n14.14 µm at 10 N"]
     assert above.get_yscale() == above.get_xscale() == "log"
     assert below.get_xlabel() == "load, N"
 
@@ -156,9 +156,16 @@ def test_checks_and_doubtful_points_are_in_words_file_and_figure(tmp_path: Path)
     ridge.save(tmp_path / "ridge.nc")
     assert ss.PeakRidge.load(tmp_path / "ridge.nc") == ridge
     assert ridge.over(10.0, "load over force", "").checked == (check._replace(parameter=1.0),)
-    labels = ridge.plot().axes[0].get_legend_handles_labels()[1]
+    figure = ridge.over(1.0, "load", "").plot()  # without a unit
+    assert figure.axes[0].get_legend_handles_labels()[1][-1] == "minimum with slip, checked:\n15 µm at 10"
+    figure = ridge.plot()
+    labels = figure.axes[0].get_legend_handles_labels()[1]
     assert labels[2] == "computed peaks, error above 1 %"
-    assert labels[-1] == "minimum with slip, checked: 15 µm at 10 N"
+    assert labels[-1] == "minimum with slip, checked:\n15 µm at 10 N"
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 < legend.x0 < legend.x1 < figure.bbox.x1
+    assert legend.y1 < figure.bbox.y1
 
 
 def test_without_doubtful_points_only_the_optimum_has_an_error() -> None:

@@ -82,16 +82,12 @@ def ridge_figure(picture: RidgePicture) -> Figure:
         axes.plot(picture.highest_parameter, scale * highest, color=INK, linewidth=2.0, label="highest peak")
         axes.set_xscale("log")
     mark = "optimum" if picture.best_is_inside else "lowest followed"
-    label = f"{mark}: {_MICRO * picture.best_amplitude:.4g} µm at {picture.best_parameter:.4g} {picture.parameter_unit}"
-    above.plot(picture.best_parameter, _MICRO * picture.best_amplitude, "D", color=VERMILLION, label=label.rstrip())
+    label = _place(mark, picture.best_amplitude, picture.best_parameter, picture.parameter_unit)
+    above.plot(picture.best_parameter, _MICRO * picture.best_amplitude, "D", color=VERMILLION, label=label)
     below.plot(picture.best_parameter, picture.best_hz, "D", color=VERMILLION)
     for check in picture.checked:
-        label = (
-            f"{CHECKED_MINIMUM}: {_MICRO * check.amplitude:.4g} µm at {check.parameter:.4g} {picture.parameter_unit}"
-        )
-        above.plot(
-            check.parameter, _MICRO * check.amplitude, "*", color=VERMILLION, markersize=11, label=label.rstrip()
-        )
+        label = _place(CHECKED_MINIMUM, check.amplitude, check.parameter, picture.parameter_unit)
+        above.plot(check.parameter, _MICRO * check.amplitude, "*", color=VERMILLION, markersize=11, label=label)
         below.plot(check.parameter, check.frequency_hz, "*", color=VERMILLION, markersize=11)
     above.set_yscale("log")
     above.set_ylabel("\n".join(filter(None, ["Peak amplitude, 0-to-peak, µm", picture.output_name])), parse_math=False)
@@ -100,3 +96,8 @@ def ridge_figure(picture: RidgePicture) -> Figure:
     below.set_xlabel(picture.parameter_words, parse_math=False)
     below.set_ylabel("Frequency of the peak, Hz")
     return figure
+
+
+def _place(mark: str, amplitude: float, parameter: float, unit: str) -> str:
+    """A label with numbers, in two lines: two labels fit side by side."""
+    return f"{mark}:\n{_MICRO * amplitude:.4g} µm at {parameter:.4g} {unit}".rstrip()
