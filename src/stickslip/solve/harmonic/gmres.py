@@ -69,12 +69,12 @@ def _orthogonal(vector: FloatArray, basis: FloatArray) -> tuple[list[float], flo
     """Make a vector (n,) orthogonal to the rows of a basis (k, n), in its place: its components (k,), the length that
     remains, and that before."""
     before = math.sqrt(float(vector @ vector))
-    components = np.dot(basis, vector)
-    vector -= np.dot(components, basis)
+    components = basis @ vector
+    vector -= components @ basis
     length = math.sqrt(float(vector @ vector))
     if length < LOST * before:
-        more = np.dot(basis, vector)
-        vector -= np.dot(more, basis)
+        more = basis @ vector
+        vector -= more @ basis
         components += more
         length = math.sqrt(float(vector @ vector))
     return components.tolist(), length, before
