@@ -17,6 +17,7 @@ from stickslip.core.threads import (
     in_threads,
     library_threads,
     side_by_side,
+    single_library_thread,
     solver_threads,
     thread_count,
     usable_cores,
@@ -95,6 +96,14 @@ def test_a_solver_has_one_thread_in_the_library_but_for_a_large_matrix() -> None
         with library_threads(LARGE_MATRIX):
             assert threads_of_library() == {2}
         assert threads_of_library() == {1}
+
+
+def test_small_matrices_outside_of_a_solver_can_have_one_thread_in_the_library() -> None:
+    usual = threads_of_library()
+    with single_library_thread(LARGE_MATRIX - 1):
+        assert threads_of_library() == {1}
+    with single_library_thread(LARGE_MATRIX):
+        assert threads_of_library() == usual
 
 
 def test_a_solver_with_one_thread_has_one_for_a_large_matrix_too() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.normal_law import FaceLaws, NormalLaw, PressureGapLaw, SpringLaw
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.threads import single_library_thread
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import (
     FaceSettings,
@@ -85,11 +86,12 @@ def solve_preload(
     unloaded = touching.contact_pairs(rows_of_mean(operator, substructure.size))
     load = rows_of_mean(static_load, substructure.size)
     retained = case.preload.residual_traction == "kept"
-    state = _state(case, joint, settings, superelement, unloaded, load, friction=retained)
-    try:
-        other = _state(case, joint, settings, superelement, unloaded, load, friction=not retained)
-    except ConvergenceError as error:
-        return SolvedPreload(case, joint, unloaded, state, operator, None, str(error))
+    with single_library_thread(superelement.size):
+        state = _state(case, joint, settings, superelement, unloaded, load, friction=retained)
+        try:
+            other = _state(case, joint, settings, superelement, unloaded, load, friction=not retained)
+        except ConvergenceError as error:
+            return SolvedPreload(case, joint, unloaded, state, operator, None, str(error))
     return SolvedPreload(case, joint, unloaded, state, operator, other)
 
 
