@@ -66,8 +66,8 @@ MOST_ITERATIONS = 6
 # chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
 # the line between the others more accurate.
 MOST_CURVES, REFINING = 8.0, 1.5
-# chosen: the same of the peaks that are followed from the whole curves at the minimum.
-CHECKING = 1.0
+# chosen: the same of the check at the minimum, and of the whole curves that follow there, with their peaks.
+CHECKING = 2.0
 # chosen: longest step of a whole curve, of which only the neighbourhood of its peaks is used.
 CURVE_STEP = 0.14
 # chosen: whole curves go beyond all linear peaks and ridges by this factor.
@@ -159,6 +159,7 @@ def performance_curve(
         ridges.refine()
         work.most = work.done + CHECKING * one_curve
 
+    work.most = work.done + CHECKING * one_curve
     check = checked_minimum(ridges, pace.accuracy, refine)
     curve = _with_check(ridges.result(KEY, "N", next(iter(model.outputs))), check).over(excitation, NAME, "")
     settings = {

@@ -10,6 +10,7 @@ import pytest
 
 import stickslip as ss
 from helpers import Blade
+from sentences import printed_sentence
 from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.ridges.ridge_intervals import AT_ONCE, NEIGHBOURS, Interval, apart
 from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage, Work, WorkStoppedError
@@ -90,3 +91,16 @@ def test_intervals_that_are_divided_at_once_are_large_and_not_close() -> None:
     chosen = apart([*wide, Interval(ridges[1], 5, 7.0)])
     assert [(ridges.index(each.ridge), each.place) for each in chosen] == [(0, 5), (1, 5), (0, 1)]
     assert len(apart(Interval(ridges[0], (NEIGHBOURS + 1) * place, 1.0) for place in range(9))) == AT_ONCE
+
+
+def test_a_whole_curve_ends_where_the_work_does() -> None:
+    """A light damper that bounces would take as long as many curves."""
+    stage = made(1.0, None)
+    whole = stage.counted(Work()).whole_curve()
+    assert whole.complete
+    work = Work(20.0)
+    part = stage.counted(work).whole_curve()
+    assert not part.complete
+    printed_sentence(part.message, "20 iterations", numbers=False)
+    assert 20.0 <= work.done < 40.0
+    assert len(part.points) < len(whole.points)

@@ -97,7 +97,7 @@ class RidgeMap:
                 f"missing. {branch.message}"
             )
         points = [each.point for each in branch.points]
-        self.add_peaks(value, points)
+        self.add_peaks(value, points, branch.complete)
         if branch.complete and stage.amplitude(points).max() <= (1.0 + ABOVE_RIDGES) * self.highest_at(value):
             self.verified.add(value)
 
@@ -121,13 +121,13 @@ class RidgeMap:
 
         return task
 
-    def add_peaks(self, value: float, points: Sequence[BalancePoint]) -> None:
+    def add_peaks(self, value: float, points: Sequence[BalancePoint], is_complete: bool) -> None:
         """Follow the peaks of a curve, given by its points, that are on no ridge yet."""
         stage = self._stage_at(value).with_harmonics(len(points[0].unknowns) // 2)
         hertz = np.array([point.trial.omega for point in points]) / (2.0 * math.pi)
         heights = stage.amplitude(points)
         found = peaks(hertz, heights)
-        if not found[0].bracketed:
+        if is_complete and not found[0].bracketed:
             self.warnings.append(
                 f"At {self._named(value)} the largest amplitude is at an end of the frequency range, "
                 f"{found[0].frequency_hz:.2f} Hz: widen the range."

@@ -29,6 +29,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane, Step
 from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.path.work import Work as PathWork
 from stickslip.solve.ridges.ridge_slope import rise_of_peak
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement, require_no_gyroscopic
@@ -154,9 +155,15 @@ class RidgeStage:
         """Newton's method for peaks of the frequency curve."""
         return self._newton(self.options.newton)
 
-    def _newton(self, settings: NewtonSettings) -> Newton[BalancePoint]:
+    def _newton(self, settings: NewtonSettings, limit: PathWork | None = None) -> Newton[BalancePoint]:
+        """Newton's method, whose iterations count; ``limit`` is reached with that of the work on all ridges."""
+
         def count(number: int, error: float) -> None:
             self.work.iterate()
+            if limit is not None and self.work.is_used_up:
+                limit.limit_words = (
+                    f"the work on all ridges reached its limit of {self.work.most:.0f} iterations of Newton's method."
+                )
             self.listen(number, error)
 
         return Newton(self.curve, settings, count)
@@ -272,15 +279,16 @@ class RidgeStage:
 
     def whole_curve(self, window: tuple[float, float] | None = None) -> Branch[BalancePoint]:
         """The frequency curve over a part of its window, Hz, or over all of it; before pairs move its points need no
-        iteration. Raises ConvergenceError without a first point."""
+        iteration. It ends where the work on all ridges does. Raises ConvergenceError without a first point."""
         settings, known = ContinuationSettings(largest_step=self.options.curve_step), self.curve.stuck
         balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in window or self.window)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
         newton = self.options.newton
-        solver = self._newton(replace(newton, tolerance=self.options.curve_tolerance or newton.tolerance))
+        limit = PathWork()
+        solver = self._newton(replace(newton, tolerance=self.options.curve_tolerance or newton.tolerance), limit)
 
         def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
-            return Branch(solver, point, end, settings, landmarks=resonances, known=known)
+            return Branch(solver, point, end, settings, landmarks=resonances, known=known, work=limit)
 
         point, _ = first_point(solver, self.curve, start, balances.with_harmonics, walk)
         branch = walk(point, stop)
