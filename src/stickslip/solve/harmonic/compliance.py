@@ -41,9 +41,9 @@ from stickslip.solve.harmonic.operator_products import Rows, as_rows, at_unknown
 from stickslip.solve.harmonic.support import (
     KnownFactors,
     ModalStatic,
-    StaticFactor,
     StaticResponse,
     mean_factor,
+    require_stable_without_contact,
     require_support_at_rest,
     restrained,
 )
@@ -386,16 +386,6 @@ def stuck_structure(
         pairs, mean, restraint, frequency, modes, modal, highest_omega, origin, reference=reference,
         floats=factors is not None and factors.without_friction is None,
     )  # fmt: skip
-
-
-def require_stable_without_contact(superelement: Superelement) -> None:
-    """Raise InputError for Coriolis forces on a structure whose stiffness without contact is not positive definite."""
-    if StaticFactor.of_matrix(superelement.stiffness) is None:
-        raise InputError(
-            "superelement has a gyroscopic matrix, but its stiffness without contact is not positive definite: a body "
-            "moves freely, or spin softening exceeds the stiffness. Constrain each body, or give a lower speed.",
-            arguments=["superelement"],
-        )
 
 
 def require_one_size(superelement: Superelement, pairs: ContactPairs) -> None:

@@ -240,3 +240,13 @@ def require_support_at_rest(superelement: Superelement, pairs: ContactPairs) -> 
             "least some pairs of each body together, or constrain the body.",
             ("preload",),
         )
+
+
+def require_stable_without_contact(superelement: Superelement) -> None:
+    """Raise InputError for Coriolis forces on a structure whose stiffness without contact is not positive definite."""
+    if StaticFactor.of_matrix(superelement.stiffness) is None:
+        raise InputError(
+            "superelement has a gyroscopic matrix, but its stiffness without contact is not positive definite: a body "
+            "moves freely, or spin softening exceeds the stiffness. Constrain each body, or give a lower speed.",
+            arguments=["superelement"],
+        )

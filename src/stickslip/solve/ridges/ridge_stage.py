@@ -123,7 +123,7 @@ class RidgeStage:
 
     def apart(self, work: Work) -> RidgeStage:
         """The same equations for another thread, with a last factor and a count of ``work`` of their own."""
-        return replace(self, last=self.last.copy(), work=work, _stuck_peaks={}, _others={})
+        return replace(self.counted(work), last=self.last.copy())
 
     @property
     def harmonics(self) -> int:
