@@ -175,9 +175,11 @@ def model_of_moving_pairs(
     return Model(**vars(connect(case, reduced, joint)), structure=structure)
 
 
-def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel:
-    """Connect joint, damping, forces and outputs of a case to a reduced structure, which may belong to several
-    cases."""
+def connect(case: Case, reduced: ReducedStructure, joint: Joint, compare: bool = True) -> ReducedModel:
+    """Connect joint, damping, forces and outputs of a case to a reduced structure, which may belong to several cases.
+
+    A solved preload has both states at rest to ``compare``, which takes twice the time.
+    """
     kind, damping = kind_of(case), case.damping
     substructure = reduced.at(kind.rotation_speed(case))
     if damping.modal_damping_ratio is None:
@@ -191,7 +193,7 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
     solved = None
     if case.preload.method == "solved":
         settings = kind.face_settings(case)
-        solved = solve_preload(case, joint, settings, substructure, static_load)
+        solved = solve_preload(case, joint, settings, substructure, static_load, compare)
         pairs = solved.pairs_about(solved.state, case.preload.residual_traction == "kept")
         joint = resting_joint(case, joint, settings, solved.state, pairs)
     else:

@@ -8,7 +8,7 @@ study with another mass or at another speed, not only another preload at constan
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,10 +23,11 @@ from stickslip.results.checked_peak import DOUBTFUL, CheckedPeak
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
+from stickslip.solve.ridges.peak_samples import PeakSamples
 from stickslip.solve.ridges.ridge_check import checked_minimum
 from stickslip.solve.ridges.ridge_coverage import RiseBelow
 from stickslip.solve.ridges.ridge_map import LEAST_FRACTION, RidgeMap
-from stickslip.solve.ridges.ridge_stage import Work
+from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage, Work
 from stickslip.solve.ridges.ridge_walk import Pace
 from stickslip.solve.setting_up import StageReport
 from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
@@ -63,11 +64,14 @@ TOLERANCE = 1e-6
 CURVE_TOLERANCE = 1e-4
 # chosen: points that are found at all take five iterations at most; a search that needs more begins again closer.
 MOST_ITERATIONS = 6
-# chosen: work of the curve over that of the frequency curve of the study, and of it that of further points, which make
-# the line between the others more accurate.
+# chosen: work of the curve, in evaluations of the balance, over that of the frequency curve of the study, and of it
+# that of further points, which make the line between the others more accurate.
 MOST_CURVES, REFINING = 8.0, 1.5
 # chosen: the same of the check at the minimum, and of the whole curves that follow there, with their peaks.
 CHECKING = 2.0
+# chosen: with a solved preload, the factor between forces, and how often the intervals beside the lowest peak are
+# divided.
+SAMPLED_BY, DIVISIONS = 1.8, 2
 # chosen: longest step of a whole curve, of which only the neighbourhood of its peaks is used.
 CURVE_STEP = 0.14
 # chosen: whole curves go beyond all linear peaks and ridges by this factor.
@@ -77,14 +81,12 @@ AROUND = 1.03
 def has_performance_curve(case: Case) -> bool:
     """Whether a run computes the curve: of two blades whose loads follow from a centrifugal force.
 
-    A solved preload takes longer at each value than the peak, so there only :func:`stickslip.ridge` follows peaks. With
-    another load other pairs move.
+    With another load other pairs move, so there is none with the reduction to moving pairs.
     """
     return (
         isinstance(case, TwoBladeCase)
         and case.analysis.performance_curve
         and case.reduction.pairs == "all"
-        and case.preload.method == "prescribed"
         and case.preload.damper_force is not None
     )
 
@@ -109,49 +111,105 @@ def with_performance_curve(
 def performance_curve(
     case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
 ) -> PeakRidge:
-    """The ridge of peaks over the centrifugal force over the excitation force, from the peaks of the response.
+    """The highest peaks over the centrifugal force over the excitation force.
 
-    The high peaks of the response are followed, and those of the stuck structure under the largest centrifugal force,
-    of the modes that are in the frequency range of the study under its own force. Raises InputError, ConvergenceError.
+    With a prescribed preload the high peaks of the response are followed, and those of the stuck structure under the
+    largest centrifugal force, of the modes that are in the frequency range of the study under its own force. With a
+    solved one, whole frequency curves at some forces have them. Raises InputError, ConvergenceError.
     """
-    assert isinstance(case, TwoBladeCase)
-    force = case.preload.damper_force
-    assert force is not None  # see has_performance_curve
-    if case.preload.centrifugal_force is None:  # it follows from the mass of the damper
-        case = case.replace({KEY: f"{force!r} N", **{f"preload.{key}": None for key in ROTATING}})
-    excitation = case.excitation.amplitude
-    least, low, high = (ratio * excitation for ratio in (LEAST_RATIO, LOWEST_RATIO, HIGHEST_RATIO))
-    family = CaseFamily.of(case, KEY)
-    lowest = _last_possible(family, model, min(least, force), force)
-    bounds = max(lowest, min(low, force)), _last_possible(family, model, max(high, force), force)
-    report = StageReport(lambda fraction, detail: progress.update("Performance curve", fraction, detail))
-    found = _high_peaks(model, response)
-    options = ridge_options(case, TOLERANCE, _harmonics_of(found, response))
-    window = min(options.frequency_hz), max(options.frequency_hz)
-    accuracy = case.solver.accuracy or DOUBTFUL
-    options = replace(
-        options,
-        frequency_hz=(window[0] / WIDER, window[1] * WIDER),
-        newton=replace(options.newton, max_iterations=MOST_ITERATIONS),
-        curve_tolerance=CURVE_TOLERANCE,
-        curve_step=max(options.curve_step, min((case.solver.accuracy or 1.0) ** 0.5, CURVE_STEP)),
-    )
-    stages = CaseStages(family, model, report, threads, options)
-    own = stages(force, None)
-    modes = own.modes_between(window)
-    one_curve = float(response.iterations.sum() + response.n_points)
+    damper = _Damper.of(case, model, response, progress, threads)
+    curve = (_sampled if case.preload.method == "solved" else _followed)(damper)
+    settings = {
+        **curve.settings,
+        "harmonics": damper.options.harmonics,
+        "excitation_force_n": damper.excitation,
+        "centrifugal_force_n": damper.force,
+    }
+    return replace(curve.over(damper.excitation, NAME, ""), settings=settings)
+
+
+@dataclass(frozen=True)
+class _Damper:
+    """The damper of a study under other centrifugal forces.
+
+    Forces in N: ``force`` is that of the study, ``bounds`` are those of the curve, ``least`` is the least one wanted
+    and ``lowest`` the least possible one. ``one_curve`` is the work of the frequency curve of the study, whose high
+    peaks are ``tops``.
+    """
+
+    response: ForcedResponse
+    tops: list[Peak]
+    output_name: str
+    force: float
+    excitation: float
+    bounds: tuple[float, float]
+    least: float
+    lowest: float
+    options: RidgeOptions
+    pace: Pace
+    stages: CaseStages
+    report: StageReport
+
+    @classmethod
+    def of(cls, case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int) -> _Damper:
+        """The damper of a case with a performance curve."""
+        assert isinstance(case, TwoBladeCase)
+        force = case.preload.damper_force
+        assert force is not None  # see has_performance_curve
+        if case.preload.centrifugal_force is None:  # it follows from the mass of the damper
+            case = case.replace({KEY: f"{force!r} N", **{f"preload.{key}": None for key in ROTATING}})
+        excitation = case.excitation.amplitude
+        least, low, high = (ratio * excitation for ratio in (LEAST_RATIO, LOWEST_RATIO, HIGHEST_RATIO))
+        family = CaseFamily.of(case, KEY)
+        lowest = _last_possible(family, model, min(least, force), force)
+        bounds = max(lowest, min(low, force)), _last_possible(family, model, max(high, force), force)
+        report = StageReport(lambda fraction, detail: progress.update("Performance curve", fraction, detail))
+        tops = _high_peaks(model, response)
+        options = ridge_options(case, TOLERANCE, _harmonics_of(tops, response))
+        window = min(options.frequency_hz), max(options.frequency_hz)
+        accuracy = case.solver.accuracy or DOUBTFUL
+        options = replace(
+            options,
+            frequency_hz=(window[0] / WIDER, window[1] * WIDER),
+            newton=replace(options.newton, max_iterations=MOST_ITERATIONS),
+            curve_tolerance=CURVE_TOLERANCE,
+            curve_step=max(options.curve_step, min((case.solver.accuracy or 1.0) ** 0.5, CURVE_STEP)),
+        )
+        is_coarse = case.solver.accuracy is None or accuracy > DOUBTFUL
+        pace = replace(
+            PACE,
+            accuracy=min(accuracy, DOUBTFUL),
+            most_harmonics=options.harmonics if is_coarse else max(MOST_HARMONICS, options.harmonics),
+        )
+        stages = CaseStages(family, model, report, threads, options)
+        name = next(iter(model.outputs))
+        return cls(
+            response, tops, name, force, excitation, bounds, min(least, force), lowest, options, pace, stages, report
+        )
+
+    @property
+    def one_curve(self) -> float:
+        """The work of the frequency curve of the study."""
+        return float(self.response.iterations.sum() + self.response.n_points)
+
+    def modes_of(self, own: RidgeStage) -> frozenset[int]:
+        """The stuck modes in the frequency range of the study, of the equations under its own force."""
+        low, high = self.options.frequency_hz
+        return own.modes_between((low * WIDER, high / WIDER))
+
+
+def _followed(damper: _Damper) -> PeakRidge:
+    """The ridges over the centrifugal force, with a check of the lowest minimum with slip."""
+    force, one_curve = damper.force, damper.one_curve
+    own = damper.stages(force, None)
     work = Work((MOST_CURVES - REFINING) * one_curve)
-    is_coarse = case.solver.accuracy is None or accuracy > DOUBTFUL
-    pace = replace(
-        PACE,
-        accuracy=min(accuracy, DOUBTFUL),
-        most_harmonics=options.harmonics if is_coarse else max(MOST_HARMONICS, options.harmonics),
+    ridges = RidgeMap(
+        damper.stages, damper.bounds, damper.report, damper.pace, _in_newton, work, damper.modes_of(own), AROUND, own
     )
-    ridges = RidgeMap(stages, bounds, report, pace, lambda value: f"{value:.4g} N", work, modes, AROUND, own)
-    _follow_response(ridges, found, force, response, options.harmonics)
+    _follow_response(ridges, damper)
     ridges.verified.add(force)  # by the curve of the study
-    ridges.add_stuck(bounds[1])
-    ridges.enclose_minimum(lowest)
+    ridges.add_stuck(damper.bounds[1])
+    ridges.enclose_minimum(damper.lowest)
     ridges.check_ends()
 
     def refine() -> None:
@@ -160,23 +218,42 @@ def performance_curve(
         work.most = work.done + CHECKING * one_curve
 
     work.most = work.done + CHECKING * one_curve
-    check = checked_minimum(ridges, pace.accuracy, refine)
-    curve = _with_check(ridges.result(KEY, "N", next(iter(model.outputs))), check).over(excitation, NAME, "")
-    settings = {
-        **curve.settings,
-        "harmonics": options.harmonics,
-        "excitation_force_n": excitation,
-        "centrifugal_force_n": force,
-    }
-    return replace(
-        curve,
-        settings=settings,
-        warnings=(
-            *curve.warnings,
-            *_beginning(float(curve.start) * excitation, lowest, min(least, force)),
-            *_open_below(ridges.rise_below(), float(curve.start) * excitation, lowest),
-        ),
+    check = checked_minimum(ridges, damper.pace.accuracy, refine)
+    curve = _with_check(ridges.result(KEY, "N", damper.output_name), check)
+    start = float(curve.start)
+    words = (
+        *_beginning(start, damper.lowest, damper.least),
+        *_open_below(ridges.rise_below(), start, damper.lowest),
     )
+    return replace(curve, warnings=(*curve.warnings, *words))
+
+
+def _sampled(damper: _Damper) -> PeakRidge:
+    """The highest peaks at single forces: that of the study, others around it by one factor, and beside the lowest."""
+    low, high = damper.bounds
+    own = damper.stages(damper.force, None)
+    work = Work(MOST_CURVES * damper.one_curve)
+    samples = PeakSamples(
+        damper.stages, damper.report, damper.pace, _in_newton, work, damper.modes_of(own), AROUND, own
+    )
+    samples.add(_sampled_forces(damper.force, low, high))
+    for _ in range(DIVISIONS):
+        samples.divide_lowest()
+    return samples.result(damper.bounds, KEY, "N", damper.output_name)
+
+
+def _sampled_forces(force: float, low: float, high: float) -> list[float]:
+    """Forces from ``high`` to ``low``, with ``force``, each some ``SAMPLED_BY`` times the next one."""
+    parts: list[float] = []
+    for start, stop in ((high, force), (force, low)):
+        count = math.ceil(math.log(start / stop) / math.log(SAMPLED_BY)) if start > stop else 0
+        parts += np.geomspace(start, stop, count, endpoint=False).tolist() if count else []
+    return [*parts, low]
+
+
+def _in_newton(value: float) -> str:
+    """A force in words."""
+    return f"{value:.4g} N"
 
 
 def _with_check(curve: PeakRidge, check: CheckedPeak | str | None) -> PeakRidge:
@@ -238,11 +315,10 @@ def _harmonics_of(found: list[Peak], response: ForcedResponse) -> int:
     return response.harmonics_at([each.point for each in found]) if found else response.harmonics
 
 
-def _follow_response(
-    ridges: RidgeMap, found: list[Peak], force: float, response: ForcedResponse, harmonics: int
-) -> None:
-    """Follow peaks of the response of the case, with this number of harmonics."""
-    for top in found:
+def _follow_response(ridges: RidgeMap, damper: _Damper) -> None:
+    """Follow the high peaks of the response of the case."""
+    response, rows = damper.response, 2 * damper.options.harmonics + 1
+    for top in damper.tops:
         unknowns = response.pair_coefficients(top.point).reshape(3 * response.pairs.n_pairs, -1).T
         omega = 2.0 * np.pi * float(response.frequency_hz[top.point])
-        ridges.add_from(force, with_rows(unknowns, 2 * harmonics + 1), omega)
+        ridges.add_from(damper.force, with_rows(unknowns, rows), omega)

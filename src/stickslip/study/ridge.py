@@ -119,7 +119,7 @@ class CaseStages:
         """The model of a case of the family."""
         if self.family.changes_structure:
             return build_model(case, threads=self.threads)
-        return connect(case, self.model.reduced, load_joint(case, self.model.joint.layout))
+        return connect(case, self.model.reduced, load_joint(case, self.model.joint.layout), compare=False)
 
 
 def ridge_options(case: Case, tolerance: float, harmonics: int | None = None) -> RidgeOptions:

@@ -50,6 +50,9 @@ MARGIN = 1.1
 SHORTENED = (1.0, 0.4, 0.15)
 # chosen: most points of one search; a smooth peak needs two or three.
 MOST_PROBES = 14
+# chosen: most steps of one search that Newton's method does not make; those that find a peak after more take longer
+# than a search from a closer estimate.
+MOST_FAILURES = 5
 # chosen: a trial in a bracket stays away from its ends by this fraction.
 INSIDE = 0.1
 # chosen: digits of a tangent.
@@ -104,13 +107,21 @@ class CurvePeak:
 
 class BoundedCurve(FrequencyCurve):
     """A frequency curve on which iterations that leave a ``window`` (rad/s, rising) by far stop, before they reach
-    frequencies that cost much and mean nothing."""
+    frequencies that cost much and mean nothing. ``on_evaluation`` hears of each evaluation."""
 
-    def __init__(self, balance: Balance, last: LastFactor, window: tuple[float, float]) -> None:
+    def __init__(
+        self,
+        balance: Balance,
+        last: LastFactor,
+        window: tuple[float, float],
+        on_evaluation: Callable[[], None] = lambda: None,
+    ) -> None:
         super().__init__(balance, last=last)
         self.window = window
+        self._on_evaluation = on_evaluation
 
     def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> BalancePoint:
+        self._on_evaluation()
         omega = float(parameters[0])
         if self.window[0] / MARGIN <= omega <= self.window[1] * MARGIN:
             return super().evaluate(unknowns, parameters)
@@ -281,7 +292,7 @@ class PeakSearch:
         """Climb along the curve to the maximum, and enclose it."""
         rising: Probe | None = None  # the best point before the maximum, with slope above zero
         falling: Probe | None = None
-        iterations, sure = probe.iterations, max(curvature, LINEAR)
+        iterations, sure, failures = probe.iterations, max(curvature, LINEAR), 0
         if abs(probe.slope) > STEEPEST:
             return "the estimate is far from a maximum"
         for count in range(1, MOST_PROBES + 1):
@@ -305,9 +316,10 @@ class PeakSearch:
                 step = math.copysign(min(abs(wanted), LARGEST_STEP), probe.slope)
             if abs(probe.lag + step) > LONGEST_WAY:
                 return "the amplitude has no maximum near the estimate"
-            after = self._moved(probe, step)
+            after, failed = self._moved(probe, step, MOST_FAILURES - failures)
             if after is None:
                 return "Newton's method did not converge on the way to the maximum"
+            failures += failed
             iterations += after.iterations
             curvature = (after.slope - probe.slope) / (after.lag - probe.lag)
             sure = curvature if abs(after.lag - probe.lag) >= BRACKET[0] else max(curvature, LINEAR)
@@ -321,14 +333,15 @@ class PeakSearch:
             return peak
         return f"the peak leaves the frequency range, at {peak.omega / (2.0 * math.pi):.2f} Hz"
 
-    def _moved(self, probe: Probe, step: float) -> Probe | None:
-        """The point near a lag, from a tangent; Newton's method may turn the motion farther than planned."""
-        for fraction in SHORTENED:
+    def _moved(self, probe: Probe, step: float, most_failures: int) -> tuple[Probe | None, int]:
+        """The point near a lag, from a tangent, and the number of failures before it; Newton's method may turn the
+        motion farther than planned."""
+        for failures, fraction in enumerate(SHORTENED[: most_failures + 1]):
             length = fraction * step
             after = self._stepped(probe, length, probe.tangent, probe.lag + length)
             if after is not None:
-                return replace(after, lag=probe.lag + _turned(probe, after))
-        return None
+                return replace(after, lag=probe.lag + _turned(probe, after)), failures
+        return None, len(SHORTENED)
 
     def _stepped(self, probe: Probe, length: float, tangent: Step, lag: float) -> Probe | None:
         """The point a step along a tangent ahead, in the plane across it; ``lag`` is its coordinate."""

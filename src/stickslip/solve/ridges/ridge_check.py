@@ -99,7 +99,7 @@ def _check_task(ridges: RidgeMap, value: float, accuracy: float, work: Work) -> 
             return str(failure)
         if not branch.complete:
             return f"its frequency curve is not complete. {branch.message}"
-        found = _peaks_of_curve(stage, [each.point for each in branch.points])
+        found = peaks_of_curve(stage, [each.point for each in branch.points])
         if isinstance(found, str):
             return found
         best, error = highest_of(stage, found, accuracy)
@@ -108,7 +108,7 @@ def _check_task(ridges: RidgeMap, value: float, accuracy: float, work: Work) -> 
     return task
 
 
-def _peaks_of_curve(stage: RidgeStage, points: Sequence[BalancePoint]) -> list[CurvePeak] | str:
+def peaks_of_curve(stage: RidgeStage, points: Sequence[BalancePoint]) -> list[CurvePeak] | str:
     """The peaks of a whole curve that could be its highest with more harmonics, or why they are not known."""
     hertz = np.array([point.trial.omega for point in points]) / (2.0 * math.pi)
     tops = peaks(hertz, stage.amplitude(points))

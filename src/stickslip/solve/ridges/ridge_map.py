@@ -369,14 +369,10 @@ class RidgeMap:
         """The range of frequencies, Hz, of a whole curve: that of all linear peaks and of the ridges there, and the
         factor ``around`` beyond."""
         stage = self._stage_at(value)
-        low, high = stage.window
         if self._around is None:
-            return low, high
-        found = [each.frequency_hz for each in (*stage.free_peaks, *stage.stuck_peaks(self._modes)) if each.bracketed]
-        for ridge in self.ridges:
-            near = min(ridge.points, key=lambda each: abs(math.log(each.parameter / value)))
-            found.append(near.peak.omega / (2.0 * math.pi))
-        return max(low, min(found) / self._around), min(high, max(found) * self._around)
+            return stage.window
+        near = (min(ridge.points, key=lambda each: abs(math.log(each.parameter / value))) for ridge in self.ridges)
+        return stage.window_around(self._around, self._modes, [each.peak.omega / (2.0 * math.pi) for each in near])
 
     def _see_free(self) -> None:
         """The peaks without contacts at both ends of the followed range, if no whole curve gave them."""

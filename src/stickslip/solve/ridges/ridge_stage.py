@@ -143,12 +143,22 @@ class RidgeStage:
         """Hz, rising."""
         return min(self.options.frequency_hz), max(self.options.frequency_hz)
 
+    def window_around(
+        self, factor: float, modes: frozenset[int] | None, others_hz: Sequence[float] = ()
+    ) -> tuple[float, float]:
+        """The part of the window with all linear peaks, the stuck ones of ``modes``, and other peaks, and the factor
+        beyond; Hz, rising."""
+        low, high = self.window
+        linear = (*self.free_peaks, *self.stuck_peaks(modes))
+        found = [*others_hz, *(each.frequency_hz for each in linear if each.bracketed)]
+        return max(low, min(found, default=low) / factor), min(high, max(found, default=high) * factor)
+
     @cached_property
     def curve(self) -> BoundedCurve:
         """The frequency curve."""
         low, high = self.window
         limits = 2.0 * math.pi * low, 2.0 * math.pi * high
-        return BoundedCurve(self.balances.with_harmonics(self.harmonics), self.last, limits)
+        return BoundedCurve(self.balances.with_harmonics(self.harmonics), self.last, limits, self.work.evaluate)
 
     @cached_property
     def solver(self) -> Newton[BalancePoint]:
@@ -159,7 +169,6 @@ class RidgeStage:
         """Newton's method, whose iterations count; ``limit`` is reached with that of the work on all ridges."""
 
         def count(number: int, error: float) -> None:
-            self.work.iterate()
             if limit is not None and self.work.is_used_up:
                 limit.limit_words = (
                     f"the work on all ridges reached its limit of {self.work.most:.0f} iterations of Newton's method."
@@ -336,8 +345,8 @@ class Work:
         self.done += other.done
         self.points += other.points
 
-    def iterate(self) -> None:
-        """Count an iteration."""
+    def evaluate(self) -> None:
+        """Count an evaluation."""
         if self._stopped.is_set():
             raise WorkStoppedError
         self.done += 1.0
