@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stickslip as ss
@@ -16,7 +18,7 @@ from stickslip.solve.ridges.ridge_coverage import RiseBelow
 from stickslip.study import analyses
 from stickslip.study import run as study
 from stickslip.study.check import check
-from stickslip.study.performance_curve import _open_below, has_performance_curve
+from stickslip.study.performance_curve import SAMPLED_BY, _open_below, _sampled_forces, has_performance_curve
 from stickslip.study.ridge import ridge
 from sweep_cases import quick_case
 
@@ -124,16 +126,50 @@ def test_a_check_announces_the_ridges() -> None:
 
 
 @pytest.mark.slow
-def test_a_check_says_why_a_solved_preload_has_no_performance_curve() -> None:
+def test_a_check_says_how_the_performance_curve_of_a_solved_preload_is_computed() -> None:
     case = quick_case().replace({"analysis.performance_curve": True, "preload.method": "solved"})
     shown = dict(dict(check(case))["Would run"])
-    assert shown["performance curve"].startswith('none with preload.method = "solved"')
+    assert shown["performance curve"].startswith(
+        "centrifugal force 0.2 to 30 times the excitation force, a whole curve"
+    )
+
+
+@pytest.mark.long
+def test_a_solved_preload_has_a_performance_curve_from_whole_curves(tmp_path: Path) -> None:
+    case = quick_case().replace(
+        {"analysis.performance_curve": True, "preload.method": "solved", "solver.frequency_start": "400 Hz"}
+    )
+    response = study.run(case, tmp_path).response
+    curve = response.performance_curve
+    assert curve is not None, response.warnings
+    assert curve.n_ridges == 1
+    printed_sentence(curve.message, numbers=False)
+    assert curve.converged
+    assert float(curve.parameter.max()) == pytest.approx(30.0)
+    output = load_results(tmp_path / "results.nc").study.outputs["blade tip A"]  # type: ignore[union-attr]
+    # The force of the study is one of the samples; another one has the peak of its own study.
+    other = float(curve.parameter[curve.parameter > 12.0][0])
+    changed = case.replace({"preload.centrifugal_force": f"{50.0 * other!r} N", "analysis.performance_curve": False})
+    fine = ss.solve_case(changed.replace({"solver.largest_step": 0.02}))
+    for ratio, each, tolerance in ((10.0, response, 2e-3), (other, fine.response, 1e-3)):  # the study has long steps
+        assert np.isclose(curve.parameter, ratio).any()
+        assert curve.at(ratio).amplitude[0] == pytest.approx(float(each.amplitude(output).max()), rel=tolerance)
+
+
+def test_forces_of_samples_contain_that_of_the_study_and_both_ends() -> None:
+    forces = _sampled_forces(500.0, 60.0, 9000.0)
+    assert forces == sorted(forces, reverse=True)
+    assert forces[0] == pytest.approx(9000.0)
+    assert forces[-1] == 60.0
+    assert np.isclose(forces, 500.0).any()
+    assert max(high / low for high, low in itertools.pairwise(forces)) <= SAMPLED_BY
+    assert _sampled_forces(500.0, 500.0, 500.0) == [500.0]
 
 
 def test_only_two_blades_under_a_centrifugal_force_have_a_performance_curve() -> None:
     assert has_performance_curve(Case())
     assert not has_performance_curve(Case().replace({"preload.values": [1.0] * 110}))
-    assert not has_performance_curve(Case().replace({"preload.method": "solved"}))
+    assert has_performance_curve(Case().replace({"preload.method": "solved"}))
     assert not has_performance_curve(mesh_case())
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
-from stickslip.case.case import Case, CyclicCase, TwoBladeCase
+from stickslip.case.case import Case, CyclicCase
 from stickslip.case.load import has_range
 from stickslip.core.errors import concerning
 from stickslip.core.plausible import suspecting
@@ -132,20 +132,11 @@ def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
     if has_stiffness_band(case):
         yield "stiffness band", "1/3 and 3 times the contact stiffness, which was not measured: two more curves"
     if has_performance_curve(case):
+        forces = f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force"
+        is_solved = case.preload.method == "solved"
         yield (
             "performance curve",
-            (
-                f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force, and lower "
-                "until the peak rises"
-            ),
-        )
-    elif isinstance(case, TwoBladeCase) and case.analysis.performance_curve and case.preload.method == "solved":
-        yield (
-            "performance curve",
-            (
-                'none with preload.method = "solved", whose static solution needs more time at each force than the '
-                'peak; kind = "ridge" over preload.centrifugal_force follows the peak with it'
-            ),
+            f"{forces}, {'a whole curve at each' if is_solved else 'and lower until the peak rises'}",
         )
 
 

@@ -15,7 +15,7 @@ import stickslip as ss
 from helpers import Blade
 from sentences import printed_sentence, rejects
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.peak import ANOTHER_PEAK, CurvePeak, Probe
+from stickslip.solve.harmonic.peak import ANOTHER_PEAK, LARGEST_STEP, MOST_FAILURES, CurvePeak, Probe
 from stickslip.solve.ridges.ridge_line import RidgeLine
 from stickslip.solve.ridges.ridge_slope import STEP
 from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage
@@ -65,16 +65,35 @@ def test_a_sharp_curvature_of_close_points_ends_no_search(monkeypatch: pytest.Mo
     slopes = {0.0: 0.06, 0.001: 0.05, 0.06: 0.0}
     steps: list[float] = []
 
-    def moved(last: Probe, step: float) -> Probe:
+    def moved(last: Probe, step: float, most_failures: int) -> tuple[Probe, int]:
         steps.append(step)
         lag = (0.001, 0.06)[len(steps) - 1]
-        return replace(last, slope=slopes[lag], lag=lag)
+        return replace(last, slope=slopes[lag], lag=lag), 0
 
     monkeypatch.setattr(search, "_moved", moved)
     peak = search._search(replace(probe, slope=slopes[0.0], lag=0.0), -10.0)
     assert isinstance(peak, CurvePeak)
     assert len(steps) == 2
     assert peak.probe.slope == 0.0
+
+
+def test_a_search_whose_steps_fail_again_and_again_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside a corner of the curve only tiny steps succeed, after many iterations each."""
+    stage = stage_of(two_resonances((1.0, 0.0)), np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16)
+    search, lengths = stage.search, list[float]()
+    stepped = search._stepped
+
+    def only_short(probe: Probe, length: float, tangent: Any, lag: float) -> Probe | None:
+        lengths.append(length)
+        return stepped(probe, length, tangent, lag) if abs(length) < 0.2 * LARGEST_STEP else None
+
+    monkeypatch.setattr(search, "_stepped", only_short)
+    reason = search.from_point(stage.linear_point(9.7))
+    assert reason == "Newton's method did not converge on the way to the maximum"
+    # The third fraction of each step succeeds, until the failures of all steps are too many.
+    failed = np.abs(lengths) >= 0.2 * LARGEST_STEP
+    assert failed.tolist() == [True, True, False] * 2 + [True, True]
+    assert failed.sum() == MOST_FAILURES + 1
 
 
 def test_a_search_far_from_a_peak_gives_a_reason() -> None:
@@ -110,7 +129,7 @@ def test_the_slope_is_that_of_differences_along_the_curve() -> None:
     search, last = stage.search, peak.probe
     # Over many changes of samples, some degrees of phase.
     for lag in (0.2, -0.2):
-        beside = search._moved(last, lag)
+        beside, _ = search._moved(last, lag, 0)
         assert beside is not None
         rise = 0.5 * lag * (beside.slope + last.slope)
         assert rise < -0.002
@@ -237,7 +256,7 @@ def test_the_lag_of_a_search_is_that_of_the_motion() -> None:
         return math.atan2(2.0 * RATIO * ratio, 1.0 - ratio**2)
 
     first = search._probe(stage.linear_point(omega / (2.0 * math.pi)), 0)
-    after = search._moved(first, 0.4)
+    after, _ = search._moved(first, 0.4, 0)
     assert after is not None
     turned = phase(after) - phase(first)
     assert after.lag == pytest.approx(turned, rel=0.05)  # the weights are those at both ends

@@ -145,7 +145,7 @@ PEAK = SimpleNamespace(amplitude=2.0, omega=1.0, harmonics=3)
 def checked(
     ridges: Map, monkeypatch: pytest.MonkeyPatch, beside: Callable[[], None] = lambda: None
 ) -> CheckedPeak | str | None:
-    monkeypatch.setattr(ridge_check, "_peaks_of_curve", lambda stage, points: [PEAK])
+    monkeypatch.setattr(ridge_check, "peaks_of_curve", lambda stage, points: [PEAK])
     return checked_minimum(ridges, 0.01, beside)  # type: ignore[arg-type]
 
 

@@ -32,7 +32,7 @@ def test_a_chain_apart_has_its_own_factor_and_work_and_the_modes_of_the_other() 
     chain = StageChain(made, Work(100.0), lambda value, stage: heard.append(value))
     first = chain(1.0)
     assert chain(1.0) is first
-    first.work.iterate()
+    first.work.evaluate()
     other = chain.apart()
     stage = other(2.0)
     assert heard == [1.0, 2.0]
@@ -45,18 +45,18 @@ def test_a_chain_apart_has_its_own_factor_and_work_and_the_modes_of_the_other() 
 
 def test_work_apart_is_counted_together_and_stops_together() -> None:
     work = Work(10.0)
-    work.iterate()
+    work.evaluate()
     tasks = [work.rest(), work.rest()]
     for task in tasks:
         assert task.most == 9.0
-        task.iterate()
+        task.evaluate()
         task.see_point()
         work.add(task)
     assert (work.done, work.points) == (3.0, 2)
     work.stop()
     for task in (*tasks, work):
         with pytest.raises(WorkStoppedError):
-            task.iterate()
+            task.evaluate()
 
 
 def test_a_copy_of_a_last_factor_is_independent() -> None:

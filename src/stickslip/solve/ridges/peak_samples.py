@@ -68,9 +68,8 @@ class PeakSamples:
         left = list(values)
         while left:
             some, left = left[:AT_ONCE], left[AT_ONCE:]
-            self._report.stage(
-                f"frequency curve at {' and '.join(map(self._named, some))}", min(0.99, self.work.done / self.work.most)
-            )
+            done = self.work.done / max(self.work.most, 1.0)
+            self._report.stage(f"frequency curve at {' and '.join(map(self._named, some))}", min(0.99, done))
             chains = [self._stage_at.apart() for _ in some]
             found = side_by_side(
                 [partial(self._highest, value, chain) for value, chain in zip(some, chains, strict=True)],
@@ -131,7 +130,7 @@ class PeakSamples:
             "pairs open and close with the load, and the line is a guess."
         )
         if self.failures:
-            message += f" At {len(self.failures)} others it is unknown."
+            message += f" At {len(self.failures)} other value(s) it is unknown."
         return replace(
             found,
             parameter_name=name,
