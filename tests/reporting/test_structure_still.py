@@ -114,3 +114,10 @@ def test_only_a_view_that_shows_the_contact_large_names_its_directions() -> None
     whole, close = structure_figure(study, stacked_boxes()).axes
     assert not {"t1", "t2"} & {text.get_text() for text in whole.texts}
     assert {"t1", "t2"} <= {text.get_text() for text in close.texts}
+
+
+def test_directions_of_a_contact_line_are_shown() -> None:
+    """A line has no sides in the sketch, so nothing is known to hide it."""
+    middle, ends = np.array([[0.05, 0.05, 0.1], [0.05, 0.05, 0.0]]), np.stack([np.eye(3)] * 2)
+    study = dataclasses.replace(synthetic_study(), face_directions=FaceDirections(middle, ends[:, 0], ends[:, 1]))
+    assert {"t1", "t2"} <= set(words(structure_figure(study, sketch_of_boxes(CUBE))))

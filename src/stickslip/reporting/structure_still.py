@@ -94,7 +94,8 @@ def structure_figure(study: StudyRecord, sketch: Sketch, paint: Paint | None = N
         _bodies(axes, sketch, camera, paint)
         _marks(axes, sketch, shown)
         if paint is None:
-            _tangents(axes, shown, visible_faces(sketch, camera), named=extent is close or close is None)
+            visible = visible_faces(sketch, camera, int(shown.tangent_faces.max(initial=-1)) + 1)
+            _tangents(axes, shown, visible, named=extent is close or close is None)
         width = _PANEL_INCHES * 72.0 / _POINTS_PER_PX
         px_per_m = _FILLED * width / float(extent.projected_size(camera)[:2].max())
         frame = Frame(camera, extent.middle, px_per_m, width, width * panel / _PANEL_INCHES)

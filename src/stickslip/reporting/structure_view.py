@@ -93,17 +93,21 @@ def best_camera(sketch: Sketch) -> Camera:
     return next(camera for camera, share in zip(cameras, shown, strict=True) if _CLEARLY_MORE * share >= best)
 
 
-def visible_faces(sketch: Sketch, camera: Camera) -> FloatArray:
-    """(n_faces,) visible fraction of the area of each contact face: through glass, or if it looks at the eye."""
+def visible_faces(sketch: Sketch, camera: Camera, least: int = 0) -> FloatArray:
+    """(n_faces,) visible fraction of the area of each contact face: through glass, or if it looks at the eye.
+
+    It is 1 for a face without sides, such as a contact line. There are at ``least`` so many faces: the last ones may
+    have no sides.
+    """
     contact = sketch.face >= 0
     vectors, face = area_vectors(sketch)[contact], sketch.face[contact]
     towards, glass = vectors @ camera.axes[2], glass_bodies(sketch, camera)[sketch.body[contact]]
-    n_faces = int(face.max(initial=-1)) + 1
+    n_faces = max(least, int(face.max(initial=-1)) + 1)
     area = np.bincount(face, np.linalg.norm(vectors, axis=1), minlength=n_faces)
     # Of two sides that touch one looks here; a face on the ground may be seen through its own body.
     solid = np.bincount(face, np.where(glass, 0.0, towards.clip(0.0)), minlength=n_faces)
     through = np.bincount(face, np.where(glass, -towards.clip(None, 0.0), 0.0), minlength=n_faces)
-    return np.asarray(np.maximum(solid, through) / np.where(area > 0.0, area, 1.0))
+    return np.asarray(np.where(area > 0.0, np.maximum(solid, through) / np.where(area > 0.0, area, 1.0), 1.0))
 
 
 def _visible_contact(sketch: Sketch, camera: Camera) -> float:

@@ -221,10 +221,9 @@ def _followed(damper: _Damper) -> PeakRidge:
     check = checked_minimum(ridges, damper.pace.accuracy, refine)
     curve = _with_check(ridges.result(KEY, "N", damper.output_name), check)
     start = float(curve.start)
-    words = (
-        *_beginning(start, damper.lowest, damper.least),
-        *_open_below(ridges.rise_below(), start, damper.lowest),
-    )
+    words = _beginning(start, damper.lowest, damper.least)
+    if np.isclose(curve.parameter.min(), start):  # else the message says from where the peak is known
+        words += _open_below(ridges.rise_below(), start, damper.lowest)
     return replace(curve, warnings=(*curve.warnings, *words))
 
 
@@ -277,10 +276,11 @@ def _open_below(rise: RiseBelow, start: float, lowest: float) -> tuple[str, ...]
     """A sentence on a curve that ends above the lowest possible force before its peak has risen far."""
     if start <= lowest or rise.is_certain:
         return ()
+    free = f", and without contact it is {rise.free:.2f} times that value" if rise.free else ""
     return (
         f"The curve begins at {start:.3g} N. There the highest peak is {rise.at_end:.2f} times its lowest value with "
-        f"slip, and without contact it is {rise.free:.2f} times that value. Lighter dampers bounce, so a lower minimum "
-        f"below {start:.3g} N is not excluded. A ridge over {KEY} from {lowest:.4g} N shows the peaks there.",
+        f"slip{free}. Lighter dampers bounce, so a lower minimum below {start:.3g} N is not excluded. A ridge over "
+        f"{KEY} from {lowest:.4g} N shows the peaks there.",
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.model_facts import body_volumes
 from stickslip.study.check import check
+from stickslip.study.run import run
 from sweep_cases import COARSE_MESH
 
 SMALL = {
@@ -55,6 +57,13 @@ def test_mass_and_loads(changes: dict[str, Any]) -> None:
     up = loads @ (1.0, 1.0) * math.cos(case.geometry.platform_angle)
     assert up == pytest.approx(500.0)  # the share of both sides supports the centrifugal force
     assert loads[0] == pytest.approx(loads[1])
+
+
+@pytest.mark.long
+def test_a_run_with_contact_lines_has_a_page(tmp_path: Path) -> None:
+    outcome = run(study(**ROUND, **{"output.figure_formats": []}), tmp_path)
+    assert outcome.response.converged
+    assert "Damper" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_lines_share_the_force_as_the_statics_of_a_cylinder() -> None:

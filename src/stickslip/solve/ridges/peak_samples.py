@@ -26,6 +26,8 @@ from stickslip.solve.setting_up import StageReport
 
 # chosen: so many values side by side; more than two threads would share the time of the interpreter.
 AT_ONCE = 2
+# chosen: a curve that takes more than this part of the whole work ends, so that the others remain.
+MOST_OF_ONE = 0.25
 # chosen: values closer than this factor are not divided.
 CLOSE = 1.1
 
@@ -71,6 +73,8 @@ class PeakSamples:
             done = self.work.done / max(self.work.most, 1.0)
             self._report.stage(f"frequency curve at {' and '.join(map(self._named, some))}", min(0.99, done))
             chains = [self._stage_at.apart() for _ in some]
+            for chain in chains:
+                chain.work.most = min(chain.work.most, MOST_OF_ONE * self.work.most)
             found = side_by_side(
                 [partial(self._highest, value, chain) for value, chain in zip(some, chains, strict=True)],
                 self.work.stop,
