@@ -30,6 +30,10 @@ AT_ONCE = 2
 MOST_OF_ONE = 0.25
 # chosen: values closer than this factor are not divided.
 CLOSE = 1.1
+BETWEEN = (
+    "Each computed peak has a frequency curve of its own. Between them pairs open and close with the load, so that the "
+    "line is a guess, and a lower or a higher peak is not excluded there."
+)
 
 
 class PeakSamples:
@@ -129,10 +133,7 @@ class PeakSamples:
             [Ridge(self.points, ("", ""))], bounds, (self._stuck, self._free), self._unknown(bounds),
             not self._pace.has_fixed_harmonics,
         )  # fmt: skip
-        message = (
-            f"The highest peak is known at {len(self.points)} values, each by a whole frequency curve. Between them "
-            "pairs open and close with the load, and the line is a guess."
-        )
+        message = f"The highest peak is known at {len(self.points)} values, each by a whole frequency curve."
         if self.failures:
             message += f" At {len(self.failures)} other value(s) it is unknown."
         return replace(
@@ -142,7 +143,10 @@ class PeakSamples:
             output_name=output_name,
             converged=not self.failures,
             message=message,
-            warnings=tuple(f"At {self._named(each)}: {self.failures[each]}" for each in sorted(self.failures)),
+            warnings=(
+                BETWEEN,
+                *(f"At {self._named(each)}: {self.failures[each]}" for each in sorted(self.failures)),
+            ),
             settings={"points_of_searches": self.work.points, "points_of_whole_curves": self.points_of_curves},
         )
 
