@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import pytest
 from plane_curves import PlaneCurve, PlanePoint
 
+from sentences import printed_sentence
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.landmarks import Landmark, first_crossed
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -73,6 +74,26 @@ def test_a_narrow_peak_is_resolved_where_a_landmark_is_near(height: float, backw
 def test_a_low_peak_after_a_high_part_is_resolved() -> None:
     curve = peak(0.5, start=20.0)
     assert highest(follow(curve, [Landmark(PLACE + 0.3 * WIDTH, WIDTH)])) == pytest.approx(0.5, rel=0.01)
+
+
+def test_a_branch_that_only_steps_across_a_landmark_continue_ends_there() -> None:
+    """No point near the landmark converges: a peak there would be missed without a word."""
+
+    def with_hole(x: float, y: float) -> float:
+        return math.nan if abs(y - PLACE) < 2.0 * WIDTH else x - 1.0 - y / 3.0
+
+    def followed(landmarks: Sequence[Landmark]) -> Branch[PlanePoint]:
+        curve = PlaneCurve(with_hole, lambda x, y: (1.0, -1.0 / 3.0))
+        newton = Newton(curve, NewtonSettings(tolerance=1e-12))
+        branch = Branch(newton, curve.at(1.0, 0.0), 1.0, ContinuationSettings(), landmarks=Fixed(landmarks))
+        branch.follow()
+        return branch
+
+    assert followed([]).complete
+    lost = followed([Landmark(PLACE, WIDTH)])
+    assert not lost.complete
+    assert lost.points[-1].point.y == pytest.approx(PLACE - 2.0 * WIDTH, abs=1e-5)
+    printed_sentence(lost.message)
 
 
 def test_a_landmark_without_a_peak_costs_one_point() -> None:

@@ -331,7 +331,6 @@ class Branch(Generic[PointT]):
             )
             if angle <= settings.largest_angle_deg and self._jumped(point, correction.point):
                 reason = reason or "each step crossed a narrow peak"
-                last = last or candidate  # if no shorter step ends before the peak
                 continue
             if angle <= settings.largest_angle_deg:
                 if length > step:
