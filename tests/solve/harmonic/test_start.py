@@ -63,6 +63,25 @@ def test_the_ramp_passes_its_fold(blade: Blade) -> None:
 
 
 @pytest.mark.slow
+def test_no_ramp_begins_after_others_took_too_long(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(start_module, "RAMP", ContinuationSettings(max_points=3))
+    monkeypatch.setattr(start_module, "MOST_IN_RAMPS", 10.0)
+    curve = FrequencyCurve(balance_with(blade, 3))
+    newton = Newton(curve, NewtonSettings())
+    ramps: list[float] = []
+    while curve.work.in_ramps < 10.0:
+        before = curve.work.newton
+        assert start_module.amplitude_ramp(newton, curve, OMEGA)[0] is None
+        ramps.append(curve.work.newton - before)
+    assert curve.work.in_ramps == sum(ramps) > 0.0
+    before = curve.work.newton
+    point, message = start_module.amplitude_ramp(newton, curve, OMEGA)
+    assert point is None
+    assert curve.work.newton == before
+    printed_sentence(message, numbers=False)
+
+
+@pytest.mark.slow
 def test_walks_in_from_outside_when_the_ramp_fails(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(start_module, "RAMP", ContinuationSettings(max_points=3))
     curve = FrequencyCurve(balance_with(blade, 3))

@@ -27,15 +27,17 @@ class Visited(Generic[PointT]):
     def __init__(self) -> None:
         self.points: list[PointT] = []
         self._sizes: list[float] = []
+        self._parameters: list[float] = []
 
     def add(self, point: PointT) -> None:
         """Append a point."""
         self.points.append(point)
         self._sizes.append(float(np.linalg.norm(point.measured)))
+        self._parameters.append(float(point.parameters[0]))
 
     def truncate(self, count: int) -> None:
         """Remove all but the first ``count`` points."""
-        del self.points[count:], self._sizes[count:]
+        del self.points[count:], self._sizes[count:], self._parameters[count:]
 
     def near_last_chord(self, motion_scale: float, parameter_scale: float) -> Iterator[tuple[int, float]]:
         """Earlier points that the last chord passes, the oldest first: their index, and the fraction of the chord
@@ -52,12 +54,10 @@ class Visited(Generic[PointT]):
         rise = float(after.parameters[0] - before.parameters[0]) / parameter_scale
         square = float((chord**2).sum()) + rise**2
         reach = (1.0 + NEAR) * square**0.5
-        size = self._sizes[last - 1]
-        for index in range(last - NEIGHBOURS):
-            earlier = self.points[index]
-            lift = float(earlier.parameters[0] - before.parameters[0]) / parameter_scale
-            if abs(lift) > reach or abs(self._sizes[index] - size) > reach * motion_scale:
-                continue
+        lifts = (np.array(self._parameters[: last - NEIGHBOURS]) - self._parameters[last - 1]) / parameter_scale
+        sizes = np.array(self._sizes[: last - NEIGHBOURS]) - self._sizes[last - 1]
+        for index in np.flatnonzero((np.abs(lifts) <= reach) & (np.abs(sizes) <= reach * motion_scale)).tolist():
+            earlier, lift = self.points[index], float(lifts[index])
             gap = (earlier.measured - before.measured) / motion_scale
             share = (float((gap * chord).sum()) + lift * rise) / square
             away = float(((gap - share * chord) ** 2).sum()) + (lift - share * rise) ** 2

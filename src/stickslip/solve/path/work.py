@@ -14,12 +14,13 @@ class Work:
 
     ``coefficients`` is the number of Fourier coefficients of an unknown with which an iteration counts as one; ``most``
     is the limit, infinite for work that has other limits, and raised once by :meth:`extend`. ``limit_words`` is a
-    sentence with numbers from the limit on, "" before it.
+    sentence with numbers from the limit on, "" before it. ``in_ramps`` are iterations of amplitude ramps that did not
+    reach the full force.
     """
 
     def __init__(self, coefficients: int = 1, most: float = math.inf) -> None:
         self._coefficients, self._most = coefficients, most
-        self.newton = self.in_time = 0.0
+        self.newton = self.in_time = self.in_ramps = 0.0
         self.limit_words = ""
         self._is_extended = False
 
