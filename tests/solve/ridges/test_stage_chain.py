@@ -101,6 +101,6 @@ def test_a_whole_curve_ends_where_the_work_does() -> None:
     work = Work(20.0)
     part = stage.counted(work).whole_curve()
     assert not part.complete
-    printed_sentence(part.message, "20 iterations", numbers=False)
+    printed_sentence(part.message, "20 evaluations", numbers=False)
     assert 20.0 <= work.done < 40.0
     assert len(part.points) < len(whole.points)

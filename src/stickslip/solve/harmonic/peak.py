@@ -109,19 +109,13 @@ class BoundedCurve(FrequencyCurve):
     """A frequency curve on which iterations that leave a ``window`` (rad/s, rising) by far stop, before they reach
     frequencies that cost much and mean nothing. ``on_evaluation`` hears of each evaluation."""
 
-    def __init__(
-        self,
-        balance: Balance,
-        last: LastFactor,
-        window: tuple[float, float],
-        on_evaluation: Callable[[], None] = lambda: None,
-    ) -> None:
+    def __init__(self, balance: Balance, last: LastFactor, window: tuple[float, float]) -> None:
         super().__init__(balance, last=last)
         self.window = window
-        self._on_evaluation = on_evaluation
+        self.on_evaluation: Callable[[], None] = lambda: None
 
     def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> BalancePoint:
-        self._on_evaluation()
+        self.on_evaluation()
         omega = float(parameters[0])
         if self.window[0] / MARGIN <= omega <= self.window[1] * MARGIN:
             return super().evaluate(unknowns, parameters)

@@ -35,7 +35,7 @@ from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement, require_no_gyroscopic
 
 # Measured on the two blades (700 unknowns n, 330 rows m of pairs): the modes of a structure, which take a time of n^3,
-# last as long as 10 iterations of Newton's method, which take n m.
+# last as long as 10 evaluations with their share of a Newton step, which take n m.
 PREPARATION = 10.0 * 330.0 / 700.0**2
 # chosen: a peak with more harmonics may be this far off, relative, or so many times its estimated error; else it is
 # another peak.
@@ -80,7 +80,7 @@ class StuckMode:
 class RidgeStage:
     """The equations at one value of the parameter, with the number of harmonics of its ``options``.
 
-    ``last`` is the factor that searches at other values share; ``work`` counts iterations, which ``listen`` hears.
+    ``last`` is the factor that searches at other values share; ``work`` counts evaluations, ``listen`` iterations.
     ``changed`` gives the input for a parameter that is larger by ``STEP`` (:mod:`ridge_slope`), relative; None where
     that takes too long.
     """
@@ -158,7 +158,9 @@ class RidgeStage:
         """The frequency curve."""
         low, high = self.window
         limits = 2.0 * math.pi * low, 2.0 * math.pi * high
-        return BoundedCurve(self.balances.with_harmonics(self.harmonics), self.last, limits, self.work.evaluate)
+        curve = BoundedCurve(self.balances.with_harmonics(self.harmonics), self.last, limits)
+        curve.on_evaluation = self.work.evaluate
+        return curve
 
     @cached_property
     def solver(self) -> Newton[BalancePoint]:
@@ -171,7 +173,7 @@ class RidgeStage:
         def count(number: int, error: float) -> None:
             if limit is not None and self.work.is_used_up:
                 limit.limit_words = (
-                    f"the work on all ridges reached its limit of {self.work.most:.0f} iterations of Newton's method."
+                    f"the work on all ridges reached its limit of {self.work.most:.0f} evaluations of the balance."
                 )
             self.listen(number, error)
 
@@ -325,7 +327,7 @@ class WorkStoppedError(Exception):
 
 
 class Work:
-    """Iterations of Newton's method so far, with the preparation of the equations counted too, at most so many, and
+    """Evaluations of the balance so far, with the preparation of the equations counted too, at most so many, and
     points of all searches, also of those without a result. Estimates of errors do not count."""
 
     def __init__(self, most: float = math.inf, stopped: Event | None = None) -> None:
