@@ -128,6 +128,17 @@ def performance_curve(
     return replace(curve.over(damper.excitation, NAME, ""), settings=settings)
 
 
+def with_given_force(case: Case) -> TwoBladeCase:
+    """A case with a performance curve, its centrifugal force given as such, also if it follows from the mass of the
+    damper."""
+    assert isinstance(case, TwoBladeCase)
+    force = case.preload.damper_force
+    assert force is not None  # see has_performance_curve
+    if case.preload.centrifugal_force is None:
+        case = case.replace({KEY: f"{force!r} N", **{f"preload.{key}": None for key in ROTATING}})
+    return case
+
+
 @dataclass(frozen=True)
 class _Damper:
     """The damper of a study under other centrifugal forces.
@@ -153,11 +164,9 @@ class _Damper:
     @classmethod
     def of(cls, case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int) -> _Damper:
         """The damper of a case with a performance curve."""
-        assert isinstance(case, TwoBladeCase)
-        force = case.preload.damper_force
-        assert force is not None  # see has_performance_curve
-        if case.preload.centrifugal_force is None:  # it follows from the mass of the damper
-            case = case.replace({KEY: f"{force!r} N", **{f"preload.{key}": None for key in ROTATING}})
+        case = with_given_force(case)
+        force = case.preload.centrifugal_force
+        assert force is not None
         excitation = case.excitation.amplitude
         least, low, high = (ratio * excitation for ratio in (LEAST_RATIO, LOWEST_RATIO, HIGHEST_RATIO))
         family = CaseFamily.of(case, KEY)
