@@ -125,7 +125,8 @@ def performance_curve(
         "excitation_force_n": damper.excitation,
         "centrifugal_force_n": damper.force,
     }
-    return replace(curve.over(damper.excitation, NAME, ""), settings=settings)
+    warnings = (*curve.warnings, *_beginning(float(curve.start), damper.lowest, damper.least))
+    return replace(curve.over(damper.excitation, NAME, ""), settings=settings, warnings=warnings)
 
 
 def with_given_force(case: Case) -> TwoBladeCase:
@@ -230,10 +231,9 @@ def _followed(damper: _Damper) -> PeakRidge:
     check = checked_minimum(ridges, damper.pace.accuracy, refine)
     curve = _with_check(ridges.result(KEY, "N", damper.output_name), check)
     start = float(curve.start)
-    words = _beginning(start, damper.lowest, damper.least)
-    if np.isclose(curve.parameter.min(), start):  # else the message says from where the peak is known
-        words += _open_below(ridges.rise_below(), start, damper.lowest)
-    return replace(curve, warnings=(*curve.warnings, *words))
+    if not np.isclose(curve.parameter.min(), start):  # the message says from where the peak is known
+        return curve
+    return replace(curve, warnings=(*curve.warnings, *_open_below(ridges.rise_below(), start, damper.lowest)))
 
 
 def _sampled(damper: _Damper) -> PeakRidge:

@@ -32,7 +32,7 @@ MOST_OF_ONE = 0.25
 CLOSE = 1.1
 BETWEEN = (
     "Each computed peak has a frequency curve of its own. Between them pairs open and close with the load, so that the "
-    "line is a guess, and a lower or a higher peak is not excluded there."
+    "line is a guess. Lower and higher peaks are not excluded there and beyond the ends."
 )
 
 
