@@ -18,7 +18,13 @@ from stickslip.solve.ridges.ridge_coverage import RiseBelow
 from stickslip.study import analyses
 from stickslip.study import run as study
 from stickslip.study.check import check
-from stickslip.study.performance_curve import SAMPLED_BY, _open_below, _sampled_forces, has_performance_curve
+from stickslip.study.performance_curve import (
+    SAMPLED_BY,
+    _open_below,
+    _sampled_forces,
+    has_performance_curve,
+    why_no_performance_curve,
+)
 from stickslip.study.ridge import ridge
 from sweep_cases import quick_case
 
@@ -123,6 +129,8 @@ def test_a_check_announces_the_ridges() -> None:
     without = dict(dict(check(quick_case()))["Would run"])
     assert "performance curve" not in without
     assert "peaks over a key" not in without
+    moving = quick_case().replace({"analysis.performance_curve": True, "reduction.pairs": "moving"})
+    assert dict(dict(check(moving))["Would run"])["performance curve"].startswith('none: reduction.pairs is "moving"')
 
 
 @pytest.mark.slow
@@ -168,7 +176,13 @@ def test_forces_of_samples_contain_that_of_the_study_and_both_ends() -> None:
 
 def test_only_two_blades_under_a_centrifugal_force_have_a_performance_curve() -> None:
     assert has_performance_curve(Case())
-    assert not has_performance_curve(Case().replace({"preload.values": [1.0] * 110}))
+    given = Case().replace({"preload.values": [1.0] * 110})
+    assert not has_performance_curve(given)
+    assert why_no_performance_curve(given)
+    moving = Case().replace({"reduction.pairs": "moving"})
+    assert not has_performance_curve(moving)
+    printed_sentence(why_no_performance_curve(moving))
+    assert not why_no_performance_curve(given.replace({"analysis.performance_curve": False}))
     assert has_performance_curve(Case().replace({"preload.method": "solved"}))
     assert not has_performance_curve(mesh_case())
 

@@ -25,7 +25,12 @@ from stickslip.study.facts import (
     study_warnings,
 )
 from stickslip.study.mode import require_allowed_mode
-from stickslip.study.performance_curve import HIGHEST_RATIO, LOWEST_RATIO, has_performance_curve
+from stickslip.study.performance_curve import (
+    HIGHEST_RATIO,
+    LOWEST_RATIO,
+    has_performance_curve,
+    why_no_performance_curve,
+)
 from stickslip.study.record import CLOSED_AT_REST
 from stickslip.study.ridge import checked_range
 from stickslip.study.stiffness_band import has_stiffness_band
@@ -138,6 +143,8 @@ def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
             "performance curve",
             f"{forces}, {'a whole curve at each' if is_solved else 'and lower until the peak rises'}",
         )
+    elif why_no_performance_curve(case):
+        yield "performance curve", f"none: {why_no_performance_curve(case)}"
 
 
 def _wear(case: Case, joint: Joint) -> Iterator[tuple[str, str]]:

@@ -79,33 +79,45 @@ AROUND = 1.03
 
 
 def has_performance_curve(case: Case) -> bool:
-    """Whether a run computes the curve: of two blades whose loads follow from a centrifugal force.
+    """Whether a run computes the curve: of two blades whose loads follow from a centrifugal force."""
+    return _wants_performance_curve(case) and not why_no_performance_curve(case)
 
-    With another load other pairs move, so there is none with the reduction to moving pairs.
-    """
-    return (
-        isinstance(case, TwoBladeCase)
-        and case.analysis.performance_curve
-        and case.reduction.pairs == "all"
-        and case.preload.damper_force is not None
-    )
+
+def why_no_performance_curve(case: Case) -> str:
+    """Why a run of two blades that should have the curve has none; "" if it has one, or should not."""
+    if not isinstance(case, TwoBladeCase) or not case.analysis.performance_curve:
+        return ""
+    if case.reduction.pairs != "all":
+        return (
+            f'reduction.pairs is "{case.reduction.pairs}", and under another load other pairs move. Set pairs = "all".'
+        )
+    if case.preload.damper_force is None:
+        return "preload.values gives the load of each pair, not a centrifugal force. Set preload.centrifugal_force."
+    return ""
+
+
+def _wants_performance_curve(case: Case) -> bool:
+    """Whether a case is one of two blades that does not omit the curve."""
+    return isinstance(case, TwoBladeCase) and case.analysis.performance_curve
 
 
 def with_performance_curve(
     case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
 ) -> ForcedResponse:
     """The response with its performance curve, if the case has one; a warning where it could not be computed."""
-    if not has_performance_curve(case):
+    if not _wants_performance_curve(case):
         return response
-    if not response.converged:  # a peak of the study may be missing, and its work is no measure
+    why = why_no_performance_curve(case)
+    if not why and not response.converged:  # a peak of the study may be missing, and its work is no measure
         why = "the frequency curve of the study is not complete."
-        return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {why}"))
-    try:
-        with solver_threads(threads):
-            curve = performance_curve(case, model, response, progress, threads)
-    except StickslipError as error:
-        return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {error}"))
-    return replace(response, performance_curve=curve)
+    if not why:
+        try:
+            with solver_threads(threads):
+                curve = performance_curve(case, model, response, progress, threads)
+            return replace(response, performance_curve=curve)
+        except StickslipError as error:
+            why = str(error)
+    return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {why}"))
 
 
 def performance_curve(
