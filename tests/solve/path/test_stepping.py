@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from typing import Any
 
 import pytest
 from plane_curves import PlaneCurve, s_curve
 
 from sentences import printed_sentence
 from stickslip.solve.path.continuation import Branch
-from stickslip.solve.path.corrector import Corrector
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import (
     ITERATIONS_PER_POINT,
@@ -50,27 +47,6 @@ def test_a_branch_that_hardly_advances_ends_with_a_sentence() -> None:
     printed_sentence(branch.message, "y = 0.5", numbers=False)
     assert points[-1].point.y > 0.5
     assert count[0] < 2 * STALL_ITERATIONS
-
-
-def test_after_a_step_that_failed_the_next_one_is_not_longer(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Twice its length has just failed, and would fail again on most curves with corners."""
-    tried: list[list[float]] = [[]]
-    guess = Corrector.guess
-
-    def recorded(self: Corrector[Any], *arguments: Any) -> Any:
-        tried[-1].append(arguments[3])
-        return guess(self, *arguments)
-
-    monkeypatch.setattr(Corrector, "guess", recorded)
-    curve = comb(height=0.05, pitch=0.01)
-    branch = Branch(
-        Newton(curve, NewtonSettings()), curve.at(1.0, 0.0), 1.0, ContinuationSettings(), lambda event: tried.append([])
-    )
-    branch.follow()
-    assert branch.complete
-    after_failure = [(each[-1], onward[0]) for each, onward in itertools.pairwise(tried) if len(each) > 1 and onward]
-    assert len(after_failure) > 5
-    assert all(onward <= length for length, onward in after_failure)
 
 
 @pytest.mark.slow

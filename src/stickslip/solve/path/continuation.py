@@ -323,10 +323,12 @@ class Branch(Generic[PointT]):
             metric = self._corrector.measure(correction.point)
             angle = max(metric.angle_deg(turned, tangent), metric.detour_deg(point, correction.point, tangent))
             angle = max(angle, self._local_angle_deg(metric, point, correction.point, tangent, turned))
-            following = settings.next_step(length, correction.iterations, angle)
-            if length < step:
-                following = min(following, length)  # twice this length has just failed
-            candidate = correction, metric.unit(turned), length, following
+            candidate = (
+                correction,
+                metric.unit(turned),
+                length,
+                settings.next_step(length, correction.iterations, angle),
+            )
             if angle <= settings.largest_angle_deg and self._jumped(point, correction.point):
                 reason = reason or "each step crossed a narrow peak"
                 continue
