@@ -66,6 +66,7 @@ def test_plain_number_is_si() -> None:
         (Quantity("frequency"), "60 rpm"),
         (Quantity("frequency"), "60 rad/s"),
         (Quantity("pure number"), "3 N"),
+        (Quantity("angle", below=math.pi / 2.0, shown="deg"), "95 deg"),
     ],
 )
 def test_rejection_is_a_sentence(quantity: Quantity, value: object) -> None:

@@ -218,6 +218,16 @@ def test_equal_samples_of_listed_inputs_are_solved_once(study: Path, monkeypatch
     )
 
 
+def test_whole_numbers_can_be_listed(study: Path, tmp_path: Path) -> None:
+    band = ss.band(study, {"solver.samples": "64 | 128"}, samples=8, workers=1)
+    assert sorted(band.table.column("solver.samples")) == [64] * 4 + [128] * 4
+    linear_study(tmp_path)
+    file = tmp_path / "study.toml"
+    text = file.read_text(encoding="utf-8").replace("samples = 16", 'samples = "64 | 128"')
+    file.write_text(text, encoding="utf-8")
+    assert sorted(ss.band(file, samples=8, workers=1).table.column("solver.samples")) == [64] * 4 + [128] * 4
+
+
 @pytest.mark.long
 def test_distributions_of_the_file_apply_and_are_replaced(study: Path, tmp_path: Path) -> None:
     linear_study(tmp_path)

@@ -99,6 +99,7 @@ def test_more_points_contain_those_of_fewer_and_fill_each_part() -> None:
         ("friction.coefficient", "-0.1 .. 0.3"),
         ("friction.coefficient", "5 .. 20"),
         ("preload.centrifugal_force", "500 N +- 200 N"),
+        ("geometry.platform_angle", "80 deg +- 10 deg"),  # lognormal would reach beyond 90 deg too
         ("preload.centrifugal_force", "500 N +- 5 mm"),
         ("preload.centrifugal_force", "600 N .. 500 N"),
         ("preload.centrifugal_force", "500 N +- 0 N"),

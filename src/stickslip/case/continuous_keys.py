@@ -17,8 +17,8 @@ PHYSICAL = (
     "geometry", "damper", "material", "bodies", "roughness", "contact_stiffness", "friction", "interfaces", "preload",
     "damping", "excitation", "forces", "base_motion", "unbalance", "static_loads", "pressures", "gravity", "rotation",
 )  # fmt: skip
-# Keys of these sections that control how the program forms pairs, not a property of the joint.
-_OF_PAIRING = ("search_distance", "edge_tolerance", "gap_tolerance")
+# Keys of these sections on which no motion depends: how the program forms pairs, and strengths of materials.
+_WITHOUT_EFFECT = ("search_distance", "edge_tolerance", "gap_tolerance", "fatigue_limit", "tensile_strength")
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def _keys(path: str, section: Any) -> Iterator[ContinuousKey]:
             yield from _constants(f"{path}.{key}", value)
             continue
         quantity = quantity_of(type(section), key)
-        if quantity is not None and isinstance(value, float) and value != 0.0 and key not in _OF_PAIRING:
+        if quantity is not None and isinstance(value, float) and value != 0.0 and key not in _WITHOUT_EFFECT:
             yield ContinuousKey(f"{path}.{key}", value, quantity)
 
 

@@ -30,6 +30,7 @@ FORMS = (
 )
 _LOGNORMAL = re.compile(r"lognormal\b\s*(.*)", re.DOTALL)
 _LOGARITHMIC = re.compile(r"(.*\S)\s+log", re.DOTALL)
+_WHOLE = re.compile(r"[+-]?\d+")
 
 
 @dataclass(frozen=True)
@@ -110,6 +111,8 @@ def _pair(form: Form, text: str, sign: str) -> ScatterText:
 
 def plain_value(part: str) -> str | float:
     """A part as the value of a key: a plain number without unit is a number, all others are texts."""
+    if _WHOLE.fullmatch(part):
+        return int(part)
     try:
         number, unit = number_and_unit(part)
     except InputError:

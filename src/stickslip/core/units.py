@@ -200,10 +200,11 @@ class Quantity:
         )
         if all(satisfied for _, _, satisfied in limits):
             return
-        allowed = " and ".join(f"{word} {_short(bound)}" for bound, word, _ in limits if bound is not None)
+        unit, size = self.shown_unit if self.kind == "angle" else (self.si_unit, 1.0)  # nobody knows 1.5708 rad
+        allowed = " and ".join(f"{word} {_short(bound / size)}" for bound, word, _ in limits if bound is not None)
         if value <= 0.0 and self.at_least is not None and self.at_least > 0.0:
             allowed = "above 0"  # clearer for a value of 0 than the smallest allowed number
-        unit = f" {self.si_unit}" if self.si_unit else ""
+        unit = f" {unit}" if unit else ""
         hint = ""
         if plain and self.shown and value > 0:
             plainly = f"in {self.si_unit}" if self.si_unit else "a fraction"

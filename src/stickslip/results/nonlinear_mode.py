@@ -147,6 +147,12 @@ class NonlinearMode(PeriodicMotions):
             column_of("frequency", "Hz", self.frequency_hz),
             column_of("damping ratio", "1", self.damping_ratio),
             column_of("dissipated energy", "J", self.dissipated_energy.sum(axis=1)),
+            column_of("MAC with the closest stuck mode", "1", self.stuck_mac.max(axis=1)),
+            column_of("MAC with the closest sliding mode", "1", self.sliding_mac.max(axis=1)),
+            *(
+                column_of(f"fraction of pairs {self.pairs.state_names[state]}", "1", fraction)
+                for state, fraction in self.state_fractions.items()
+            ),
         )
         yield Table(name, f"nonlinear mode {self.mode}", columns)
 

@@ -116,7 +116,9 @@ class PeakGradients(Labelled):
         yield "Change of the peak amplitude by 10 % more of an input, first order:"
         changes, strongest = self.relative_changes(0.1)[0], self.order[:STRONGEST]
         width = max((len(self.names[place]) for place in strongest), default=0)
-        yield from (f"  {self.names[place]:<{width}}  {100 * changes[place]:+.2g} %" for place in strongest)
+        yield from (
+            f"  {self.names[place]:<{width}}  {float(f'{100 * changes[place]:.2g}'):+g} %" for place in strongest
+        )
         yield from (f"Note: {sentence}" for sentence in self.messages)
 
     def plot(self, change: float = 0.1, count: int = 15) -> Figure:

@@ -223,7 +223,10 @@ def _stability(
     sentence = f"{unstable} of {len(trials)} points are unstable." if unstable else "All points are stable."
     undecided, unconfirmed = int(stability.undecided.sum()), int(stability.unconfirmed.sum())
     if undecided:
-        sentence += f" {undecided} are too close to a change of stability for a sure verdict."
+        sentence += (
+            f" {undecided} have no sure verdict: they are too close to a change of stability, or a disturbance that "
+            "takes pairs away from the friction limit that they touch may grow."
+        )
     if unconfirmed:
         sentence += f" At {unconfirmed} more harmonics do not confirm the verdict."
     return stability, sentence

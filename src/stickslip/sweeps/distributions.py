@@ -202,7 +202,7 @@ def _require_allowed_ends(distribution: Distribution, kind: Quantity) -> None:
 def _beyond(distribution: Distribution, kind: Quantity, end: float, error: InputError) -> str:
     cut = f", cut at {CUT:g} standard deviations" if distribution.form in ("normal", "lognormal") else ""
     remedy = "Give a smaller spread"
-    if distribution.form == "normal" and distribution.first > 0.0:
+    if distribution.form == "normal" and distribution.first > 0.0 >= end:
         remedy += f', or for example "lognormal {_shown(kind, distribution.first)} */ 1.3", which stays above 0'
     return (
         f'{distribution.name} = "{distribution.text}" reaches from {_range(distribution, kind)}{cut}, and '

@@ -310,5 +310,5 @@ def test_the_two_blade_case_loses_stability_at_its_folds_alone() -> None:
     unstable = int((~response.stable).sum())
     # Beside the folds, three points have the verdict of their side against their own multipliers.
     assert response.stability_message.startswith(
-        f"{unstable} of {response.n_points} points are unstable. 3 are too close"
+        f"{unstable} of {response.n_points} points are unstable. 3 have no sure verdict"
     )

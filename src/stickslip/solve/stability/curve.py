@@ -25,7 +25,13 @@ from stickslip.solve.stability.contact_steps import laws_without_steps
 from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
-from stickslip.solve.stability.multipliers import ComplexArray, is_real, multipliers, stuck_multipliers
+from stickslip.solve.stability.multipliers import (
+    ComplexArray,
+    is_real,
+    may_leave_to_one_side,
+    multipliers,
+    stuck_multipliers,
+)
 from stickslip.solve.stability.verdict import ROUND_OFF, Counts, Verdict, distances_to
 
 # Samples of the period, and for each harmonic, at first; near the unit circle up to FINEST times as many.
@@ -54,7 +60,8 @@ class CurveStability:
         in the order of the curve.
     undecided:
         (n,) points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
-        computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers.
+        computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers. Also
+        points with multipliers inside of the circle that a disturbance away from a touched limit may leave.
     unconfirmed:
         (n,) points at which the motion corrected with more harmonics has another verdict, multipliers that more
         harmonics still move as far as the circle, or is not known.
@@ -218,6 +225,8 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdic
         samples, confirmed = 2 * samples, True
         values = multipliers(model, pairs, trial, samples)
         verdict = Verdict(values, np.maximum(distances_to(values, verdict.values), ROUND_OFF))
+    if not any(verdict.counts()):
+        verdict = replace(verdict, may_leave=may_leave_to_one_side(model, pairs, trial, samples))
     return verdict
 
 

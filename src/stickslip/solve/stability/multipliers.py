@@ -33,6 +33,8 @@ RITZ_TOLERANCE, MOST_BLOCKS, SMALLEST_SIZE = 1e-4, 6, 0.5
 SMALLEST_DIRECTION = 1e-8
 # The relative imaginary part below which a multiplier is real.
 REAL = 1e-7
+# chosen: a smaller growth in a period is within the error of the samples.
+GROWS = 1e-3
 
 
 def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> ComplexArray:
@@ -46,25 +48,57 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
     moves it once and does not touch it again until it is larger: if such a one seems to grow, the multipliers of
     touching pairs that stick decide.
     """
-    coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
-    harmonics = coefficients.shape[2] // 2
     moving = np.flatnonzero(trial.contact.moves.any(axis=1))
     if not moving.size:
         return stuck_multipliers(model, trial.omega)
-    motion = np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0)
-    every = linear_steps(pairs, motion)
+    every = _steps_of_period(pairs, trial, samples)
     values = _values_of(model, every, moving, trial)
-    to_one_side = is_real(values) & (values.real > 0.0)
+    to_one_side = _is_to_one_side(values)
     if (np.abs(values[~to_one_side]) <= 1.0).all():
         return values
+    sticking = _values_if_touching_pairs_stick(model, every, moving, trial)
+    if sticking is None:
+        return values
+    return _sorted(np.concatenate([values[to_one_side], sticking[~_is_to_one_side(sticking)]]))
+
+
+def may_leave_to_one_side(model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> bool:
+    """Whether a disturbance that takes touching pairs away from their limits would grow, beyond round-off.
+
+    It meets a structure in which these pairs stick. The multipliers of :func:`multipliers`, whose sliders follow, say
+    nothing about it. A pair that touches both limits, or several that touch theirs with opposite disturbances, may
+    still hold it.
+    """
+    moving = np.flatnonzero(trial.contact.moves.any(axis=1))
+    if not moving.size:
+        return False
+    sticking = _values_if_touching_pairs_stick(model, _steps_of_period(pairs, trial, samples), moving, trial)
+    return sticking is not None and bool((sticking[_is_to_one_side(sticking)].real > 1.0 + GROWS).any())
+
+
+def _steps_of_period(pairs: ContactPairs, trial: Trial, samples: int) -> LinearSteps:
+    """The steps of all pairs through the period of a solution."""
+    coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
+    harmonics = coefficients.shape[2] // 2
+    return linear_steps(pairs, np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0))
+
+
+def _values_if_touching_pairs_stick(
+    model: StabilityModel, every: LinearSteps, moving: IndexArray, trial: Trial
+) -> ComplexArray | None:
+    """The multipliers if stuck pairs that touch their limit stick there too, which changes the steps; None without
+    such pairs."""
     touching = moving[trial.contact.state[moving] == ContactState.STUCK]
     touching = touching[every.keep[:, touching].any(axis=(0, 2, 3))]
     if not touching.size:
-        return values
+        return None
     every.keep[:, touching] = np.eye(2)
-    sticking = _values_of(model, every, moving, trial)
-    others = sticking[~(is_real(sticking) & (sticking.real > 0.0))]
-    return _sorted(np.concatenate([values[to_one_side], others]))
+    return _values_of(model, every, moving, trial)
+
+
+def _is_to_one_side(values: ComplexArray) -> NDArray[np.bool_]:
+    """Which multipliers are those of a disturbance that remains on one side: real ones above 0."""
+    return is_real(values) & (values.real > 0.0)
 
 
 def is_real(values: ComplexArray) -> NDArray[np.bool_]:

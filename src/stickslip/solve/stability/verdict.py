@@ -33,10 +33,15 @@ class Counts(NamedTuple):
 
 @dataclass(frozen=True)
 class Verdict:
-    """The multipliers of a point and their errors (of each)."""
+    """The multipliers of a point and their errors (of each).
+
+    ``may_leave``: they are inside of the unit circle, but a disturbance to one side may grow
+    (:func:`stickslip.solve.stability.multipliers.may_leave_to_one_side`).
+    """
 
     values: ComplexArray
     errors: FloatArray
+    may_leave: bool = False
 
     @property
     def _real(self) -> BoolArray:
@@ -49,10 +54,12 @@ class Verdict:
 
     @property
     def undecided(self) -> bool:
-        """Whether a multiplier is closer to the unit circle than its error, and no other one decides; folds decide
-        about a real one near 1."""
+        """Whether a multiplier is closer to the unit circle than its error, and no other one decides, or a disturbance
+        to one side may grow; folds decide about a real one near 1."""
         if self.is_surely_unstable:
             return False
+        if self.may_leave:
+            return True
         beside_fold = self._real & (self.values.real > 0.0)
         unsure = np.abs(np.abs(self.values) - 1.0) <= self.errors
         return bool((unsure & ~beside_fold).any())
