@@ -104,6 +104,9 @@ def test_nothing_to_vary_is_rejected() -> None:
 
 def test_options_of_the_command_line() -> None:
     assert split_options(["a.b=1,2", " c.d = x "]) == {"a.b": "1,2", "c.d": "x"}
+    # one section alone has the first key, several the second one
+    assert split_options(["damper_mass=5g:50g"]) == {"preload.damper_mass": "5g:50g"}
+    assert split_options(["amplitude=1 N"]) == {"amplitude": "1 N"}
     for wrong in ("a.b", "=1", "a.b="):
         with rejects(InputError):
             split_options([wrong])

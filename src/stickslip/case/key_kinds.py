@@ -55,6 +55,12 @@ def kind_of_key(name: str, case: Case | None) -> Quantity | Count | tuple[str, .
     )
 
 
+def full_key(name: str) -> str:
+    """The key of a name without section that one section alone has, such as damper_mass; any other name as it is."""
+    homes = [] if "." in name else [section for section, keys in Case.allowed_keys().items() if name in keys]
+    return f"{homes[0]}.{name}" if len(homes) == 1 and homes[0] not in Case.named_sections() else name
+
+
 def _constant_kind(name: str, case: Case | None) -> Quantity:
     """The values that a constant of a law can have, from its declaration. Raises InputError."""
     section, entry, table, key = Case.parts_of_key(name)

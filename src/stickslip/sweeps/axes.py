@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip.case.case import Case
-from stickslip.case.key_kinds import kind_of_key
+from stickslip.case.key_kinds import full_key, kind_of_key
 from stickslip.core.errors import InputError
 from stickslip.core.units import Count, Quantity, Respelled
 from stickslip.results.sweep_table import SweptKey, Value
@@ -29,13 +29,14 @@ def split_options(
 ) -> dict[str, str]:
     """Key -> values of texts ``section.key=values``. Raises InputError for another form or a key that comes twice.
 
-    ``option`` and ``example`` are for messages.
+    The section may be omitted if no other one has this key. ``option`` and ``example`` are for messages.
     """
     varied: dict[str, str] = {}
     for text in options:
         key, equals, values = (part.strip() for part in text.partition("="))
         if not (equals and key and values):
             raise InputError(f'{option} "{text}" must be section.key=values, for example {option} {example}.')
+        key = full_key(key)
         if key in varied:
             raise InputError(f"{option} {key} is given twice. Give it once, with all its values.")
         varied[key] = values
