@@ -10,7 +10,7 @@ from law_studies import interface_text, write_masses, write_study
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.case.load import load_case, load_case_and_positions
-from stickslip.case.scatter_text import central_sentences, plain_value, scatter_text
+from stickslip.case.scatter_text import central_sentences, scatter_text
 from stickslip.core.errors import InputError, StickslipWarning, StudyFileError
 
 FILE = """\
@@ -109,13 +109,3 @@ def test_constants_of_a_law_may_be_distributed(tmp_path: Path) -> None:
 def test_a_wrong_distribution_in_a_file_has_its_line(tmp_path: Path, line: str) -> None:
     with rejects(StudyFileError, "friction.coefficient"):
         load_case_and_positions(written(tmp_path, f"[friction]\n{line}\n"))
-
-
-@pytest.mark.parametrize(
-    ("part", "value"), [("3", 3), ("-2", -2), ("3.0", 3.0), ("1e3", 1000.0), ("3 mm", "3 mm"), ("same", "same")]
-)
-def test_the_value_of_a_part(part: str, value: object) -> None:
-    """A key for whole numbers accepts no 3.0."""
-    found = plain_value(part)
-    assert found == value
-    assert type(found) is type(value)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from sentences import rejects
 from stickslip.core.errors import InputError
-from stickslip.core.units import Count, Quantity
+from stickslip.core.units import Count, Quantity, number_or_text
 
 LENGTH = Quantity("length", shown="mm", above=0.0, at_most=3.0)
 
@@ -118,3 +118,13 @@ def test_any_text_is_read_or_rejected(text: str) -> None:
     except InputError:
         return
     assert 0.0 < value <= 3.0
+
+
+@pytest.mark.parametrize(
+    ("part", "value"), [("3", 3), ("-2", -2), ("3.0", 3.0), ("1e3", 1000.0), ("3 mm", "3 mm"), ("same", "same")]
+)
+def test_a_text_is_the_number_that_it_is_in_toml(part: str, value: object) -> None:
+    """A key for whole numbers accepts no 3.0."""
+    found = number_or_text(part)
+    assert found == value
+    assert type(found) is type(value)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from stickslip.core.errors import InputError
-from stickslip.core.units import in_unit, number_and_unit
+from stickslip.core.units import in_unit, number_and_unit, number_or_text
 
 Form = Literal["normal", "lognormal", "uniform", "loguniform", "listed"]
 LONGEST_PATH = 4  # of a key: section.NAME.table.key; what lies deeper in a file is an error that others report
@@ -30,7 +30,6 @@ FORMS = (
 )
 _LOGNORMAL = re.compile(r"lognormal\b\s*(.*)", re.DOTALL)
 _LOGARITHMIC = re.compile(r"(.*\S)\s+log", re.DOTALL)
-_WHOLE = re.compile(r"[+-]?\d+")
 
 
 @dataclass(frozen=True)
@@ -109,17 +108,6 @@ def _pair(form: Form, text: str, sign: str) -> ScatterText:
     return ScatterText(form, (first, second))
 
 
-def plain_value(part: str) -> str | float:
-    """A part as the value of a key: a plain number without unit is a number, all others are texts."""
-    if _WHOLE.fullmatch(part):
-        return int(part)
-    try:
-        number, unit = number_and_unit(part)
-    except InputError:
-        return part
-    return part if unit else number
-
-
 def split_scatter(
     data: Mapping[str, Any], may_scatter: Callable[[tuple[str, ...]], bool], above: tuple[str, ...] = ()
 ) -> tuple[dict[str, Any], dict[str, str]]:
@@ -143,7 +131,7 @@ def split_scatter(
             try:
                 scatter = scatter_text(value)
                 if scatter is not None:
-                    central[key], scattered[name] = plain_value(scatter.centre), value
+                    central[key], scattered[name] = number_or_text(scatter.centre), value
             except InputError as error:
                 raise InputError(f'{name} = "{value}" {error}', (name,)) from error
     return central, scattered

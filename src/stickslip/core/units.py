@@ -278,6 +278,16 @@ def in_unit(number: float, unit: str, other: str) -> float:
     return number * _factor_to_si(unit) / _factor_to_si(other)
 
 
+def number_or_text(item: str) -> int | float | str:
+    """A number as TOML would read it, or the text itself."""
+    for kind in (int, float):
+        try:
+            return kind(item)
+        except ValueError:
+            continue
+    return item
+
+
 def _short(value: float) -> str:
     """At most 15 significant digits, so that 0.0367 m is 36.7 mm and not 36.699999999999996 mm; 1e8, not 100000000."""
     plain = f"{value:.15g}"

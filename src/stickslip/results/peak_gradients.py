@@ -116,9 +116,9 @@ class PeakGradients(Labelled):
         yield "Change of the peak amplitude by 10 % more of an input, first order:"
         changes, strongest = self.relative_changes(0.1)[0], self.order[:STRONGEST]
         width = max((len(self.names[place]) for place in strongest), default=0)
-        yield from (
-            f"  {self.names[place]:<{width}}  {float(f'{100 * changes[place]:.2g}'):+g} %" for place in strongest
-        )
+        for place in strongest:
+            percent = float(f"{100 * changes[place]:.2g}")  # two digits, but -100, not -1e+02
+            yield f"  {self.names[place]:<{width}}  {percent:+g} %"
         yield from (f"Note: {sentence}" for sentence in self.messages)
 
     def plot(self, change: float = 0.1, count: int = 15) -> Figure:

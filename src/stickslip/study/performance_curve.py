@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import TypeGuard
 
 import numpy as np
 
@@ -85,7 +86,7 @@ def has_performance_curve(case: Case) -> bool:
 
 def why_no_performance_curve(case: Case) -> str:
     """Why a run of two blades that should have the curve has none; "" if it has one, or should not."""
-    if not isinstance(case, TwoBladeCase) or not case.analysis.performance_curve:
+    if not _wants_performance_curve(case):
         return ""
     if case.reduction.pairs != "all":
         return (
@@ -96,7 +97,7 @@ def why_no_performance_curve(case: Case) -> str:
     return ""
 
 
-def _wants_performance_curve(case: Case) -> bool:
+def _wants_performance_curve(case: Case) -> TypeGuard[TwoBladeCase]:
     """Whether a case is one of two blades that does not omit the curve."""
     return isinstance(case, TwoBladeCase) and case.analysis.performance_curve
 

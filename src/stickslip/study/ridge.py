@@ -11,7 +11,7 @@ from stickslip.core.completeness import reported
 from stickslip.core.errors import InputError, RoughnessError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
-from stickslip.core.units import Quantity
+from stickslip.core.units import Quantity, number_or_text
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Layout
 from stickslip.model.model import ReducedModel, build_model, connect, load_joint, set_up
@@ -62,7 +62,7 @@ class CaseFamily:
         values = []
         for limit in limits:
             try:
-                values.append(self.quantity.parse(_number_or_text(limit)))
+                values.append(self.quantity.parse(number_or_text(limit) if isinstance(limit, str) else limit))
             except InputError as error:
                 raise InputError(f"{self.key} = {limit} {error}", arguments=[self.key]) from error
         low, high = min(values), max(values)
@@ -75,14 +75,6 @@ class CaseFamily:
         for value in (low, high):
             self.at(value)
         return low, high
-
-
-def _number_or_text(limit: float | str) -> float | str:
-    """The number that a text is, or the text with its unit."""
-    try:
-        return float(limit)
-    except ValueError:
-        return limit
 
 
 def _problem(model: ReducedModel) -> Problem:

@@ -15,7 +15,7 @@ import numpy as np
 from stickslip.case.case import Case
 from stickslip.case.key_kinds import full_key, kind_of_key
 from stickslip.core.errors import InputError
-from stickslip.core.units import Count, Quantity, Respelled
+from stickslip.core.units import Count, Quantity, Respelled, number_or_text
 from stickslip.results.sweep_table import SweptKey, Value
 
 LARGEST_COUNT = 10_000  # chosen: more values of one key are probably an error
@@ -153,16 +153,6 @@ def _range(name: str, kind: KeyKind, item: str) -> list[Value]:
             arguments=[name],
         )
     return [int(value) for value in values]
-
-
-def number_or_text(item: str) -> Value:
-    """A number as TOML would read it, or the text itself."""
-    for kind in (int, float):
-        try:
-            return kind(item)
-        except ValueError:
-            continue
-    return item
 
 
 def shown_value(kind: KeyKind, value: Value) -> tuple[float, str]:

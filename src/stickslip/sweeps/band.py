@@ -13,9 +13,10 @@ import scipy.stats
 
 from stickslip.case.case import Case
 from stickslip.case.load import load_case_and_positions
-from stickslip.case.scatter_text import plain_value, scatter_text
+from stickslip.case.scatter_text import scatter_text
 from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.progress import Progress
+from stickslip.core.units import number_or_text
 from stickslip.core.validation import FloatArray, whole_number
 from stickslip.reporting.band_page import write_band_page
 from stickslip.reporting.templates import StudyText
@@ -151,7 +152,9 @@ def _harmonics(solve: Callable[[], SolvedCases], central: PlannedCase) -> int | 
 
 def _central(case: Case, chosen: Sequence[Distribution]) -> PlannedCase:
     """The case with central inputs, with the band of its residual tractions."""
-    centres = {each.name: plain_value(text.centre) for each in chosen if (text := scatter_text(each.text)) is not None}
+    centres = {
+        each.name: number_or_text(text.centre) for each in chosen if (text := scatter_text(each.text)) is not None
+    }
     (planned,) = plan_rows(case.replace(centres), (), [()], of="band")
     return replace(planned, name=f"central_{planned.key[:12]}")
 

@@ -13,13 +13,13 @@ from stickslip.case.case import Case
 from stickslip.case.continuous_keys import PHYSICAL
 from stickslip.case.key_kinds import kind_of_key
 from stickslip.core.errors import InputError, StickslipError, StudyFileError, concerning
-from stickslip.core.units import Quantity
+from stickslip.core.units import Quantity, number_or_text
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Layout
 from stickslip.model.model import load_joint, set_up
 from stickslip.results.design import DesignKey
 from stickslip.results.sweep_table import SweptKey, Value
-from stickslip.sweeps.axes import Vary, number_or_text, study_value, swept_keys
+from stickslip.sweeps.axes import Vary, study_value, swept_keys
 from stickslip.sweeps.plan import case_hashes, require_one_curve
 
 Range = str | tuple[float | str, float | str]

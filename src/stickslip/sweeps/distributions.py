@@ -18,11 +18,11 @@ from stickslip.case.case import Case
 from stickslip.case.key_kinds import kind_of_key
 from stickslip.case.scatter_text import FORMS, Form, ScatterText, scatter_text
 from stickslip.core.errors import InputError
-from stickslip.core.units import Count, Quantity, number_and_unit
+from stickslip.core.units import Count, Quantity, number_and_unit, number_or_text
 from stickslip.core.validation import FloatArray
 from stickslip.results.influence import Coordinate
 from stickslip.results.sweep_table import SweptKey, Value
-from stickslip.sweeps.axes import KeyKind, key_with_values, number_or_text, shown_value, single_value
+from stickslip.sweeps.axes import KeyKind, key_with_values, shown_value, single_value
 
 CUT = 3.0  # chosen: standard deviations; the cut probability is 0.27 %
 DIGITS = 10  # of a sampled value, so that round-off of other machines and versions gives the same cases

@@ -27,9 +27,8 @@ from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
 from stickslip.solve.stability.multipliers import (
     ComplexArray,
+    PointMultipliers,
     is_real,
-    may_leave_to_one_side,
-    multipliers,
     stuck_multipliers,
 )
 from stickslip.solve.stability.verdict import ROUND_OFF, Counts, Verdict, distances_to
@@ -215,18 +214,18 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdic
     if not trial.contact.moves.any():
         return Verdict(stuck, np.full(stuck.size, ROUND_OFF))
     first = max(FIRST_SAMPLES, SAMPLES_PER_HARMONIC * _harmonics(trial))
-    values = multipliers(model, pairs, trial, first)
-    errors = np.minimum(FIRST_ERROR * distances_to(values, stuck), LARGEST_ERROR)
-    verdict = Verdict(values, np.maximum(errors, ROUND_OFF))
+    point = PointMultipliers(model, pairs, trial, first)
+    errors = np.minimum(FIRST_ERROR * distances_to(point.values, stuck), LARGEST_ERROR)
+    verdict = Verdict(point.values, np.maximum(errors, ROUND_OFF))
     # A pair or a negative multiplier outside of the circle has no fold that confirms it.
     counts, samples = verdict.counts(), first
     confirmed = verdict.is_surely_unstable or not (counts.negative or counts.complex)
     while samples < FINEST * first and (verdict.undecided or not confirmed):
         samples, confirmed = 2 * samples, True
-        values = multipliers(model, pairs, trial, samples)
-        verdict = Verdict(values, np.maximum(distances_to(values, verdict.values), ROUND_OFF))
+        point = PointMultipliers(model, pairs, trial, samples)
+        verdict = Verdict(point.values, np.maximum(distances_to(point.values, verdict.values), ROUND_OFF))
     if not any(verdict.counts()):
-        verdict = replace(verdict, may_leave=may_leave_to_one_side(model, pairs, trial, samples))
+        verdict = replace(verdict, may_leave=point.may_leave_to_one_side)
     return verdict
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -37,8 +39,8 @@ REAL = 1e-7
 GROWS = 1e-3
 
 
-def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> ComplexArray:
-    """The multipliers of a solution, the largest first; all that matter, and often more.
+class PointMultipliers:
+    """The multipliers of a solution, from a march over a period in so many samples.
 
     A pair that sticks through the period is its springs: its slider is no state and has no multiplier 1. Neutral
     disturbances are omitted.
@@ -48,52 +50,51 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
     moves it once and does not touch it again until it is larger: if such a one seems to grow, the multipliers of
     touching pairs that stick decide.
     """
-    moving = np.flatnonzero(trial.contact.moves.any(axis=1))
-    if not moving.size:
-        return stuck_multipliers(model, trial.omega)
-    every = _steps_of_period(pairs, trial, samples)
-    values = _values_of(model, every, moving, trial)
-    to_one_side = _is_to_one_side(values)
-    if (np.abs(values[~to_one_side]) <= 1.0).all():
-        return values
-    sticking = _values_if_touching_pairs_stick(model, every, moving, trial)
-    if sticking is None:
-        return values
-    return _sorted(np.concatenate([values[to_one_side], sticking[~_is_to_one_side(sticking)]]))
 
+    def __init__(self, model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> None:
+        self._model, self._pairs, self._trial, self._samples = model, pairs, trial, samples
+        self._moving = np.flatnonzero(trial.contact.moves.any(axis=1))
 
-def may_leave_to_one_side(model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> bool:
-    """Whether a disturbance that takes touching pairs away from their limits would grow, beyond round-off.
+    @cached_property
+    def values(self) -> ComplexArray:
+        """The largest first; all that matter, and often more."""
+        if not self._moving.size:
+            return stuck_multipliers(self._model, self._trial.omega)
+        values = _values_of(self._model, self._steps, self._moving, self._trial)
+        to_one_side = _is_to_one_side(values)
+        if (np.abs(values[~to_one_side]) <= 1.0).all() or self._sticking is None:
+            return values
+        return _sorted(np.concatenate([values[to_one_side], self._sticking[~_is_to_one_side(self._sticking)]]))
 
-    It meets a structure in which these pairs stick. The multipliers of :func:`multipliers`, whose sliders follow, say
-    nothing about it. A pair that touches both limits, or several that touch theirs with opposite disturbances, may
-    still hold it.
-    """
-    moving = np.flatnonzero(trial.contact.moves.any(axis=1))
-    if not moving.size:
-        return False
-    sticking = _values_if_touching_pairs_stick(model, _steps_of_period(pairs, trial, samples), moving, trial)
-    return sticking is not None and bool((sticking[_is_to_one_side(sticking)].real > 1.0 + GROWS).any())
+    @property
+    def may_leave_to_one_side(self) -> bool:
+        """Whether a disturbance that takes touching pairs away from their limits would grow, beyond round-off.
 
+        It meets a structure in which these pairs stick, of which :attr:`values`, whose sliders follow, say nothing. A
+        pair that touches both limits, or several that touch theirs with opposite disturbances, may still hold it.
+        """
+        sticking = self._sticking if self._moving.size else None
+        return sticking is not None and bool((sticking[_is_to_one_side(sticking)].real > 1.0 + GROWS).any())
 
-def _steps_of_period(pairs: ContactPairs, trial: Trial, samples: int) -> LinearSteps:
-    """The steps of all pairs through the period of a solution."""
-    coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
-    harmonics = coefficients.shape[2] // 2
-    return linear_steps(pairs, np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0))
+    @cached_property
+    def _steps(self) -> LinearSteps:
+        """Those of all pairs."""
+        coefficients = self._trial.relative.T.reshape(self._pairs.n_pairs, 3, -1)
+        harmonics = coefficients.shape[2] // 2
+        motion = np.moveaxis(coefficients @ synthesis_matrix(harmonics, self._samples).T, 2, 0)
+        return linear_steps(self._pairs, motion)
 
-
-def _values_if_touching_pairs_stick(
-    model: StabilityModel, every: LinearSteps, moving: IndexArray, trial: Trial
-) -> ComplexArray | None:
-    """The multipliers if stuck pairs that touch their limit stick there too, which changes the steps; None without
-    such pairs."""
-    touching = moving[trial.contact.state[moving] == ContactState.STUCK]
-    touching = touching[every.keep[:, touching].any(axis=(0, 2, 3))]
-    if not touching.size:
-        return None
-    every.keep[:, touching] = np.eye(2)
-    return _values_of(model, every, moving, trial)
+    @cached_property
+    def _sticking(self) -> ComplexArray | None:
+        """The multipliers if stuck pairs that touch their limit stick there too; None without such pairs."""
+        keep, moving = self._steps.keep, self._moving
+        touching = moving[self._trial.contact.state[moving] == ContactState.STUCK]
+        touching = touching[keep[:, touching].any(axis=(0, 2, 3))]
+        if not touching.size:
+            return None
+        keep = keep.copy()
+        keep[:, touching] = np.eye(2)
+        return _values_of(self._model, replace(self._steps, keep=keep), moving, self._trial)
 
 
 def _is_to_one_side(values: ComplexArray) -> NDArray[np.bool_]:

@@ -36,7 +36,7 @@ class Verdict:
     """The multipliers of a point and their errors (of each).
 
     ``may_leave``: they are inside of the unit circle, but a disturbance to one side may grow
-    (:func:`stickslip.solve.stability.multipliers.may_leave_to_one_side`).
+    (:func:`stickslip.solve.stability.multipliers.PointMultipliers`).
     """
 
     values: ComplexArray
