@@ -225,7 +225,7 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdic
         point = PointMultipliers(model, pairs, trial, samples)
         verdict = Verdict(point.values, np.maximum(distances_to(point.values, verdict.values), ROUND_OFF))
     if not any(verdict.counts()):
-        verdict = replace(verdict, may_leave=point.may_leave_to_one_side)
+        verdict = replace(verdict, may_leave=point.may_leave_to_one_side())
     return verdict
 
 

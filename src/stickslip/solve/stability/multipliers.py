@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -49,52 +47,54 @@ class PointMultipliers:
     back. So it follows one that grows to one side, of a real multiplier above 0. One that changes its sign or rotates
     moves it once and does not touch it again until it is larger: if such a one seems to grow, the multipliers of
     touching pairs that stick decide.
+
+    Attributes
+    ----------
+    values:
+        the largest first; all that matter, and often more.
     """
 
     def __init__(self, model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> None:
-        self._model, self._pairs, self._trial, self._samples = model, pairs, trial, samples
+        # No cached properties: until Python 3.12 they share a lock, and threads would wait for each other.
+        self._model, self._trial = model, trial
         self._moving = np.flatnonzero(trial.contact.moves.any(axis=1))
-
-    @cached_property
-    def values(self) -> ComplexArray:
-        """The largest first; all that matter, and often more."""
+        self._touching = self._moving[:0]
+        self._sticking: ComplexArray | None = None
         if not self._moving.size:
-            return stuck_multipliers(self._model, self._trial.omega)
-        values = _values_of(self._model, self._steps, self._moving, self._trial)
-        to_one_side = _is_to_one_side(values)
-        if (np.abs(values[~to_one_side]) <= 1.0).all() or self._sticking is None:
-            return values
-        return _sorted(np.concatenate([values[to_one_side], self._sticking[~_is_to_one_side(self._sticking)]]))
+            self.values = stuck_multipliers(model, trial.omega)
+            return
+        self._steps = _steps_of_period(pairs, trial, samples)
+        stuck = self._moving[trial.contact.state[self._moving] == ContactState.STUCK]
+        self._touching = stuck[self._steps.keep[:, stuck].any(axis=(0, 2, 3))]
+        self.values = _values_of(model, self._steps, self._moving, trial)
+        to_one_side = _is_to_one_side(self.values)
+        if self._touching.size and (np.abs(self.values[~to_one_side]) > 1.0).any():
+            self._sticking = self._values_if_touching_pairs_stick()
+            others = self._sticking[~_is_to_one_side(self._sticking)]
+            self.values = _sorted(np.concatenate([self.values[to_one_side], others]))
 
-    @property
     def may_leave_to_one_side(self) -> bool:
         """Whether a disturbance that takes touching pairs away from their limits would grow, beyond round-off.
 
-        It meets a structure in which these pairs stick, of which :attr:`values`, whose sliders follow, say nothing. A
-        pair that touches both limits, or several that touch theirs with opposite disturbances, may still hold it.
+        It meets a structure in which these pairs stick, of which ``values``, whose sliders follow, say nothing. A pair
+        that touches both limits, or several that touch theirs with opposite disturbances, may still hold it.
         """
-        sticking = self._sticking if self._moving.size else None
-        return sticking is not None and bool((sticking[_is_to_one_side(sticking)].real > 1.0 + GROWS).any())
+        if not self._touching.size:
+            return False
+        sticking = self._values_if_touching_pairs_stick() if self._sticking is None else self._sticking
+        return bool((sticking[_is_to_one_side(sticking)].real > 1.0 + GROWS).any())
 
-    @cached_property
-    def _steps(self) -> LinearSteps:
-        """Those of all pairs."""
-        coefficients = self._trial.relative.T.reshape(self._pairs.n_pairs, 3, -1)
-        harmonics = coefficients.shape[2] // 2
-        motion = np.moveaxis(coefficients @ synthesis_matrix(harmonics, self._samples).T, 2, 0)
-        return linear_steps(self._pairs, motion)
+    def _values_if_touching_pairs_stick(self) -> ComplexArray:
+        """The multipliers if stuck pairs that touch their limit stick there too; it changes the steps."""
+        self._steps.keep[:, self._touching] = np.eye(2)
+        return _values_of(self._model, self._steps, self._moving, self._trial)
 
-    @cached_property
-    def _sticking(self) -> ComplexArray | None:
-        """The multipliers if stuck pairs that touch their limit stick there too; None without such pairs."""
-        keep, moving = self._steps.keep, self._moving
-        touching = moving[self._trial.contact.state[moving] == ContactState.STUCK]
-        touching = touching[keep[:, touching].any(axis=(0, 2, 3))]
-        if not touching.size:
-            return None
-        keep = keep.copy()
-        keep[:, touching] = np.eye(2)
-        return _values_of(self._model, replace(self._steps, keep=keep), moving, self._trial)
+
+def _steps_of_period(pairs: ContactPairs, trial: Trial, samples: int) -> LinearSteps:
+    """The steps of all pairs through the period of a solution."""
+    coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
+    harmonics = coefficients.shape[2] // 2
+    return linear_steps(pairs, np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0))
 
 
 def _is_to_one_side(values: ComplexArray) -> NDArray[np.bool_]:
