@@ -16,7 +16,7 @@ from sentences import printed_sentence
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.results.response_data import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
-from stickslip.solve.stability import multipliers
+from stickslip.solve.stability import disturbances
 from stickslip.solve.stability.march import Period
 from stickslip.solve.stability.model import stability_model
 
@@ -288,7 +288,7 @@ def test_the_iteration_gives_the_largest_of_all_eigenvalues(blade: Blade, monkey
     """Small directions of a block must not enter the basis twice: spurious multipliers of 2 came from that."""
     options = {"frequency_hz": (682.0, 690.0), "harmonics": 3, "samples": 128}
     every = blade.response(**options).multipliers
-    monkeypatch.setattr(multipliers, "DENSE_SIZE", 0)
+    monkeypatch.setattr(disturbances, "DENSE_SIZE", 0)
     largest = blade.response(**options).multipliers
     assert every is not None
     assert largest is not None

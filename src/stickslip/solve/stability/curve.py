@@ -22,15 +22,11 @@ from stickslip.results.stability import Bifurcation, BifurcationKind
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
+from stickslip.solve.stability.disturbances import ComplexArray, stuck_multipliers
 from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
-from stickslip.solve.stability.multipliers import (
-    ComplexArray,
-    PointMultipliers,
-    is_real,
-    stuck_multipliers,
-)
+from stickslip.solve.stability.multipliers import PointMultipliers, is_real
 from stickslip.solve.stability.verdict import ROUND_OFF, Counts, Verdict, distances_to
 
 # Samples of the period, and for each harmonic, at first; near the unit circle up to FINEST times as many.
@@ -60,7 +56,8 @@ class CurveStability:
     undecided:
         (n,) points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
         computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers. Also
-        points with multipliers inside of the circle that a disturbance away from a touched limit may leave.
+        points with multipliers inside of the circle that a disturbance away from a touched limit, or one that is larger
+        than the slip of pairs, may leave.
     unconfirmed:
         (n,) points at which the motion corrected with more harmonics has another verdict, multipliers that more
         harmonics still move as far as the circle, or is not known.
@@ -215,8 +212,7 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdic
         return Verdict(stuck, np.full(stuck.size, ROUND_OFF))
     first = max(FIRST_SAMPLES, SAMPLES_PER_HARMONIC * _harmonics(trial))
     point = PointMultipliers(model, pairs, trial, first)
-    errors = np.minimum(FIRST_ERROR * distances_to(point.values, stuck), LARGEST_ERROR)
-    verdict = Verdict(point.values, np.maximum(errors, ROUND_OFF))
+    verdict = Verdict(point.values, _first_errors(point.values, stuck))
     # A pair or a negative multiplier outside of the circle has no fold that confirms it.
     counts, samples = verdict.counts(), first
     confirmed = verdict.is_surely_unstable or not (counts.negative or counts.complex)
@@ -224,9 +220,15 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdic
         samples, confirmed = 2 * samples, True
         point = PointMultipliers(model, pairs, trial, samples)
         verdict = Verdict(point.values, np.maximum(distances_to(point.values, verdict.values), ROUND_OFF))
-    if not any(verdict.counts()):
-        verdict = replace(verdict, may_leave=point.may_leave_to_one_side())
-    return verdict
+    if any(verdict.counts()):
+        return verdict
+    growing, may_leave = point.growing_to_one_side()
+    return replace(verdict.with_others(growing, _first_errors(growing, stuck)), may_leave=may_leave)
+
+
+def _first_errors(values: ComplexArray, stuck: ComplexArray) -> FloatArray:
+    """Errors of multipliers that are known for one number of samples, from what contact changes of them."""
+    return np.maximum(np.minimum(FIRST_ERROR * distances_to(values, stuck), LARGEST_ERROR), ROUND_OFF)
 
 
 def _changes_at(fold: Fold, positive: Sequence[int]) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.core.validation import FloatArray
-from stickslip.solve.stability.multipliers import ComplexArray
+from stickslip.solve.stability.disturbances import ComplexArray
 
 # A real multiplier this close to 1 does not decide by itself. A pair that has just begun to slip moves it by as much,
 # but only for disturbances smaller than the slip: on the benchmark blade with half its preload from 1.044 to 0.995 and

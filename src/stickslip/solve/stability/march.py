@@ -144,7 +144,16 @@ class Period:
 
     def march(self, states: FloatArray) -> FloatArray:
         """States (size, c) one period later."""
-        return np.asarray(_march(np.ascontiguousarray(states), self._p, *self._arguments))
+        return self._marched(states, np.zeros(0, dtype=np.int64))[0]
+
+    def displacements(self, states: FloatArray, samples: IndexArray) -> FloatArray:
+        """(s, p + r, c) near coordinates and far patterns of states (size, c) at ``samples`` from 1 to n, ascending."""
+        return self._marched(states, samples)[1]
+
+    def _marched(self, states: FloatArray, samples: IndexArray) -> tuple[FloatArray, FloatArray]:
+        seen = np.empty((samples.size, self._p + self._r, states.shape[1]))
+        end: FloatArray = _march(np.ascontiguousarray(states), samples, seen, self._p, *self._arguments)
+        return end, seen
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -234,6 +243,8 @@ def _prepare(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _march(
     start: FloatArray,
+    samples: IndexArray,
+    seen: FloatArray,
     p: int,
     contact: FloatArray,
     kinds: KindArray,
@@ -248,7 +259,8 @@ def _march(
     forms: FloatArray,
     inverses: FloatArray,
 ) -> FloatArray:
-    """States (size, c) one period after ``start``, which is at sample 0."""
+    """States (size, c) one period after ``start``, which is at sample 0; fills the displacements ``seen`` (s, size, c)
+    at some ``samples`` (s,)."""
     n, pairs, size, columns = normal.shape[0], normal.shape[1], contact.shape[2], start.shape[1]
     # Constants of another type: numba would compile _copy for each of them.
     zero, one, two, three = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
@@ -268,7 +280,7 @@ def _march(
     state = np.empty((3 * p, columns))
     _copy(start, zero, 2 * p, 1.0, state, zero)
     _copy(_gathered(directions, values, 3 * pairs), zero, p, -1.0, state, 2 * p)
-    count = 0
+    place, count = 0, 0
     for pair in range(pairs):
         if kinds[1 % n, pair] == STAYS:
             _copy(directions, 3 * pair, two, 1.0, rows, count)
@@ -305,6 +317,9 @@ def _march(
             for c in range(columns):
                 known[row, c] = (motion[row, c] if row < p else 0.0) - known[row, c]
         both = np.dot(inverses[j], known)
+        if place < len(samples) and samples[place] == step:
+            seen[place] = both
+            place += 1
         force = np.dot(forms[j, :p], both)
         force += past[:p]
         motion -= np.dot(force_end, force)
@@ -320,10 +335,10 @@ def _march(
                 count += 1
         if count:
             moved = np.dot(rows[: 3 * count], both)
-            for place in range(count):
-                _copy(moved, 3 * place, three, 1.0, relative, 3 * listed[place])
-        for place in range(count):
-            pair = listed[place]
+            for each in range(count):
+                _copy(moved, 3 * each, three, 1.0, relative, 3 * listed[each])
+        for each in range(count):
+            pair = listed[each]
             if kinds[j, pair] == STAYS:
                 continue
             for a in range(2):

@@ -9,7 +9,8 @@ import numpy as np
 
 from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
-from stickslip.solve.stability.multipliers import SMALLEST_SIZE, ComplexArray, is_real
+from stickslip.solve.stability.disturbances import SMALLEST_SIZE, ComplexArray
+from stickslip.solve.stability.multipliers import is_real
 
 # A point with a larger multiplier is unstable whatever the error by samples, so it needs no second number of samples:
 # its others, near the circle, change no verdict, only where their numbers change along an unstable part.
@@ -35,8 +36,8 @@ class Counts(NamedTuple):
 class Verdict:
     """The multipliers of a point and their errors (of each).
 
-    ``may_leave``: they are inside of the unit circle, but a disturbance to one side may grow
-    (:func:`stickslip.solve.stability.multipliers.PointMultipliers`).
+    ``may_leave``: a disturbance to one side may grow without a multiplier outside of the unit circle
+    (:class:`stickslip.solve.stability.multipliers.PointMultipliers`).
     """
 
     values: ComplexArray
@@ -105,6 +106,12 @@ class Verdict:
         resized = CHANGE_FACTOR * np.abs(np.abs(self.values) - np.abs(nearest))
         errors = np.where(CHANGE_FACTOR * moved >= np.abs(self.values.imag), np.maximum(moved, resized), resized)
         return replace(self, errors=np.where(np.abs(self.values) > SMALLEST_SIZE, errors, self.errors))
+
+    def with_others(self, values: ComplexArray, errors: FloatArray) -> Verdict:
+        """The same with further multipliers."""
+        together = np.concatenate([self.values, values])
+        order = np.argsort(-np.abs(together), kind="stable")
+        return replace(self, values=together[order], errors=np.concatenate([self.errors, errors])[order])
 
     def _near_one(self, distance: float) -> BoolArray:
         """Which are real and within a distance of 1, or their error."""
