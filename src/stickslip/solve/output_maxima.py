@@ -42,6 +42,10 @@ PLACES = np.arange(1, 16) / 16.0
 DEPTH = 3
 # chosen: a solution farther from the cubic than this fraction of the step is on another part of the curve.
 NEAR = 0.5
+# A maximum that is higher than both points by as much as a missed peak is looked for where the cubic has half of this
+# rise: at a corner, where a pair begins to slip, the curve reaches the crossing of both tangents, and the cubic half of
+# that height.
+RISE = 1.0 + 0.5 * (HIGHER - 1.0)
 
 
 class Curve(Protocol[BalancePointT]):
@@ -251,7 +255,7 @@ class OutputMaxima(Generic[BalancePointT]):
     def _highest_place(
         self, before: _Sampled[BalancePointT], after: _Sampled[BalancePointT], cubic: _Cubic
     ) -> float | None:
-        """Where an output exceeds both points most on a cubic; None if no visible one does by as much as a missed peak.
+        """Where an output exceeds both points most on a cubic; None if no visible one does by RISE.
 
         The amplitude is a norm, and a cubic remains in the convex hull of its control points: none of its points is
         higher than the highest one of them, so most steps need no more than these.
@@ -262,7 +266,7 @@ class OutputMaxima(Generic[BalancePointT]):
         start, end, chord = (with_rows(each, rows) for each in vibration)
         linear = (last - first - chord) / 3.0
         inner = first + np.stack([start + linear, end + 2.0 * linear])
-        lowest = HIGHER * np.maximum(np.maximum(before.amplitude, after.amplitude), VISIBLE * self._highest)
+        lowest = RISE * np.maximum(np.maximum(before.amplitude, after.amplitude), VISIBLE * self._highest)
         if (_amplitudes(inner) <= lowest).all():
             return None
         amplitude = _amplitudes(np.tensordot(bernstein(PLACES), np.stack([first, *inner, last]), axes=1))

@@ -4,14 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from plane_curves import circle
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
+from stickslip.solve.path.continuation import Branch
+from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.structure.superelement import Superelement
 
 RATIO = 1e-3
+
+
+@pytest.mark.parametrize(("max_points", "lost"), [(8, False), (60, True)])
+def test_a_branch_that_runs_back_when_it_has_used_its_points_is_lost(max_points: int, lost: bool) -> None:
+    """On the circle from (1, 0): up to y = 1, then back. A curve may begin again beyond, not on the way there."""
+    curve = circle()
+    settings = ContinuationSettings(largest_step=0.02, max_points=max_points)
+    branch = Branch(Newton(curve, NewtonSettings()), curve.at(1.0, 0.0), 2.0, settings)
+    branch.follow()
+    assert "points were not enough" in branch.message
+    assert not branch.complete
+    assert branch.lost == lost
 
 
 def resonance(largest_step: float, preload: float = 1e6) -> ForcedResponse:

@@ -46,6 +46,9 @@ BEYOND = 0.1
 # chosen: how far the branch may go beyond its start, as a fraction of the range and of the start, before it folds and
 # comes back: a range often begins between two folds.
 LONGEST_EXCURSION = 0.5
+# chosen: a branch that used its points runs back if it ends by more than this fraction of the range behind its furthest
+# point.
+RUNS_BACK = 0.01
 
 
 class Branch(Generic[PointT]):
@@ -54,9 +57,10 @@ class Branch(Generic[PointT]):
     ``follow()`` walks along it and returns its points. ``on_event`` receives each accepted point, retreats (points are
     removed because they are on another curve), and corners. No step crosses one of the ``landmarks``
     (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
-    branch ends at the stop, ``lost`` if it ends because no step succeeds; ``message`` describes its end. ``retreats``
-    and ``corners`` are the parameters of those events, ``crossings`` the places where the branch was lost and continues
-    close beyond. ``revise`` may solve each new point again, with other equations, before the branch continues.
+    branch ends at the stop, ``lost`` if it ends because no step succeeds, or runs back when it has used its points;
+    ``message`` describes its end. ``retreats`` and ``corners`` are the parameters of those events, ``crossings`` the
+    places where the branch was lost and continues close beyond. ``revise`` may solve each new point again, with other
+    equations, before the branch continues.
     The branch also ends at the limit of the ``work`` on all branches that share it, and where an effort does not pay,
     of which one of its iterations has a ``cost`` of so many usual ones. Where the equations are linear, ``known`` gives
     its points without iteration.
@@ -187,7 +191,9 @@ class Branch(Generic[PointT]):
                 return True
             tangent, step = onward
             bend = tangent.times(0.0)
-        self.lost = False
+        # A curve may begin again beyond a branch that runs back; one that advances needs more points.
+        ahead = [self._direction * parameter_of(each.point) for each in self.points]
+        self.lost = ahead[-1] < max(ahead) - RUNS_BACK * self._width
         self.message = (
             f"{self._settings.max_points} points were not enough; the branch reached only "
             f"{self._name_of(self.points[-1].point)}. Raise max_points or narrow the range."
