@@ -17,7 +17,7 @@ from stickslip.structure.superelement import Superelement
 RATIO = 1e-3
 
 
-@pytest.mark.parametrize(("max_points", "lost"), [(8, False), (60, True)])
+@pytest.mark.parametrize(("max_points", "lost"), [(8, False), (90, True)])
 def test_a_branch_that_runs_back_when_it_has_used_its_points_is_lost(max_points: int, lost: bool) -> None:
     """On the circle from (1, 0): up to y = 1, then back. A curve may begin again beyond, not on the way there."""
     curve = circle()
