@@ -110,9 +110,9 @@ def test_a_joint_of_many_pairs_has_no_estimate_beside_its_mode() -> None:
     alone = quick_case().replace(MODE | {"analysis.mode_method": "quasi-static"}).analysis
     sliding = quick_case().replace(MODE | {"analysis.limit": "sliding"}).analysis
     for each, pairs, expected in (
-        (analysis, 500, True),
-        (analysis, 501, False),
-        (alone, 501, True),
+        (analysis, 400, True),
+        (analysis, 401, False),
+        (alone, 401, True),
         (sliding, 5, False),
     ):
         assert isinstance(each, ModeAnalysis)

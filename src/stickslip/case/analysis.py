@@ -134,8 +134,8 @@ class ModeAnalysis(AnalysisSection):
     def _estimate_is_stuck(cls, value: str, info: ValidationInfo) -> str:
         if value == "quasi-static" and info.data.get("limit") == "sliding":
             raise InputError(
-                'requires limit = "stuck", but limit is "sliding": the estimate loads a mode with stuck pairs. Set limit = '
-                '"stuck", or mode_method = "periodic".'
+                'requires limit = "stuck", but limit is "sliding": the estimate loads a mode with stuck pairs. Set '
+                'limit = "stuck", or mode_method = "periodic".'
             )
         return value
 

@@ -21,8 +21,8 @@ from stickslip.solve.modes.linear_mode import LinearMode, require_allowed_amplit
 # shapes in the default study is 1e-14 to 1e-10 there; stiffer contact has more.
 LEAST_MOTION = 1e-6
 # chosen: pairs up to which a nonlinear mode has the quasi-static estimate beside it. It takes 0.4 s with 110
-# pairs, 3 s with 400, and 30 s with 970.
-MOST_PAIRS_BESIDE = 500
+# pairs, 7 s with 400, and 40 s with 970.
+MOST_PAIRS_BESIDE = 400
 
 
 @dataclass(frozen=True)
@@ -104,8 +104,9 @@ def allowed_mode(case: Case, model: ReducedModel) -> FirstMotion:
     share = motion / _largest_motion(model, linear.shape, row)
     if share <= LEAST_MOTION:
         raise InputError(
-            f'mode is {analysis.mode}, which moves the output "{name}" by at most {LEAST_MOTION:g} of its largest motion, '
-            "so this amplitude does not determine that of the mode. Choose another mode, or another first output.",
+            f'mode is {analysis.mode}, which moves the output "{name}" by at most {LEAST_MOTION:g} of its largest '
+            "motion, so this amplitude does not determine that of the mode. Choose another mode, or another first "
+            "output.",
             ("analysis.mode",),
         )
     with concerning("analysis.largest_amplitude"):
