@@ -37,6 +37,8 @@ def test_a_study_of_a_mode_is_written_and_read() -> None:
         ({"smallest_amplitude": "10 um", "largest_amplitude": "10 um"}, "largest_amplitude"),
         ({"smallest_amplitude": "1 mm"}, "largest_amplitude"),
         ({"amplitude": "1 um"}, "amplitude"),
+        ({"mode_method": "static"}, "mode_method"),
+        ({"mode_method": "quasi-static", "limit": "sliding"}, "mode_method"),
     ],
 )
 def test_what_is_no_mode_is_rejected(keys: dict[str, Any], wrong: str) -> None:

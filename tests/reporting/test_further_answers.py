@@ -65,7 +65,7 @@ def test_peaks_over_a_key_have_its_unit() -> None:
 
 
 def view_with(**parts: Any) -> Any:
-    names = ("performance_curve", "peak_ridge", "nonlinear_mode", "wear", "mistuning")
+    names = ("performance_curve", "peak_ridge", "nonlinear_mode", "quasi_static_mode", "wear", "mistuning")
     return SimpleNamespace(response=SimpleNamespace(**(dict.fromkeys(names) | parts)))
 
 

@@ -12,39 +12,11 @@ from stickslip.reporting.further_answers import further_answers
 from stickslip.reporting.mode_section import damping_of_mode, frequency_of_mode, states_of_mode
 from stickslip.reporting.page import page
 from stickslip.reporting.view import View
-from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.response import ForcedResponse
-from synthetic import synthetic_response, synthetic_study
+from synthetic import synthetic_study
+from synthetic_mode import with_mode
 
 STUDY = synthetic_study(columns=4, rows=3)
-
-
-def with_mode(highest_ratio: float) -> ForcedResponse:
-    """The curve, and a mode whose motions are those of the curve."""
-    response = synthetic_response(columns=4, rows=3, n_points=20)
-    count = response.n_points
-    mode = NonlinearMode(
-        modal_amplitude=np.geomspace(1e-7, 1e-4, count),
-        damping_ratio=np.linspace(0.001, highest_ratio, count),
-        stuck_frequency_hz=np.array([420.0, 500.0]),
-        stuck_mac=np.tile([0.1, 0.9], (count, 1)),
-        sliding_frequency_hz=np.array([410.0]),
-        sliding_mac=np.ones((count, 1)),
-        step_mac=np.ones(count),
-        mode=2,
-        limit="stuck",
-        warnings=("A warning of the mode.",),
-        converged=True,
-        **{
-            name: getattr(response, name)
-            for name in (
-                "frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure",
-                "residual", "iterations", "input_energy", "viscous_energy", "message", "harmonics", "samples", "pairs",
-                "settings", "provenance",
-            )
-        },
-    )  # fmt: skip
-    return replace(response, nonlinear_mode=mode)
 
 
 def section(response: ForcedResponse) -> str:

@@ -31,10 +31,13 @@ def test_the_file_comes_back_equal(mode: NonlinearMode, tmp_path: Path) -> None:
 def test_a_response_stores_its_mode(mode: NonlinearMode, tmp_path: Path) -> None:
     superelement, pairs = one_mass(ratio=0.002)
     response = ss.forced_response(superelement, pairs, [1.0], frequency_hz=(130.0, 140.0), harmonics=1, samples=64)
-    both = replace(response, nonlinear_mode=mode)
+    estimate = ss.quasi_static_mode(superelement, pairs, 1, (1e-6, 1e-3))
+    both = replace(response, nonlinear_mode=mode, quasi_static_mode=estimate)
     both.save(tmp_path / "both.nc")
     assert ForcedResponse.load(tmp_path / "both.nc") == both
     assert both.nonlinear_mode == mode
+    assert both.quasi_static_mode == estimate
+    assert list(both.parts) == ["nonlinear_mode", "quasi_static_mode"]
     assert both != response
 
 
@@ -51,7 +54,12 @@ def test_the_dataset_has_units(mode: NonlinearMode) -> None:
 def test_the_figure_shows_mode_linear_limits_and_estimate(mode: NonlinearMode) -> None:
     above, below = mode.plot(ss.quasi_static_mode(*one_mass(), 1, (1e-6, 1e-3), points_per_decade=5)).axes
     labels = above.get_legend_handles_labels()[1]
-    assert labels == ["nonlinear mode", "linear stuck mode 1", "linear sliding mode 1", "quasi-static"]
+    assert labels == [
+        "nonlinear mode",
+        "linear stuck mode 1",
+        "linear sliding mode 1",
+        "quasi-static estimate (Masing)",
+    ]
     assert below.get_xscale() == "log"
     assert len(mode.plot().axes[1].lines) == 1
 

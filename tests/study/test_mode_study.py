@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stickslip as ss
 from law_studies import REST, interface_text, write_masses, write_study
 from sentences import printed_sentence, rejects
-from stickslip.core.errors import InputError
+from stickslip.case.analysis import ModeAnalysis
+from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.model.model import build_model
+from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.results.quasi_static_mode import QuasiStaticMode
 from stickslip.results.storage import load_results
-from stickslip.study import analyses, solution
+from stickslip.study import analyses, nonlinear_mode, solution
 from stickslip.study import run as study
 from stickslip.study.check import check
+from stickslip.study.export import export_tables
+from stickslip.study.mode import has_estimate
 from stickslip.study.solution import solve_case
 from sweep_cases import quick_case
 
@@ -45,7 +51,72 @@ def test_run_writes_the_mode_and_its_section(tmp_path: Path) -> None:
     assert mode.provenance == {"solve_seconds": mode.provenance["solve_seconds"]}
     assert f"Nonlinear mode 1: {mode.message}" in outcome.message
     printed_sentence(mode.message)
+    estimate = saved.response.quasi_static_mode
+    assert estimate is not None
+    assert estimate == outcome.response.quasi_static_mode
+    assert f"Quasi-static estimate of mode 1: {estimate.message}" in outcome.message
+    printed_sentence(estimate.message)
+    _agree_while_pairs_stick(mode, estimate, saved.response.linear.stuck_frequency_hz[0])
     assert "<h2>Nonlinear mode</h2>" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def _agree_while_pairs_stick(mode: NonlinearMode, estimate: QuasiStaticMode, linear_hz: float) -> None:
+    sticks = mode.moving_pairs == 0
+    assert sticks.sum() > 5
+    assert estimate.frequency_hz[0] == pytest.approx(linear_hz, rel=1e-9)
+    logarithm = np.log(mode.modal_amplitude[sticks])
+    for name in ("frequency_hz", "damping_ratio"):
+        beside = np.interp(logarithm, np.log(estimate.modal_amplitude), getattr(estimate, name))
+        assert beside == pytest.approx(getattr(mode, name)[sticks], rel=1e-6)
+
+
+def test_the_estimate_alone_needs_no_nonlinear_mode(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_mode(*_: object, **__: object) -> None:
+        raise AssertionError("no nonlinear mode may be computed")
+
+    monkeypatch.setattr(nonlinear_mode, "unreported_mode", no_mode)
+    case = quick_case().replace(MODE | {"analysis.mode_method": "quasi-static"})
+    outcome = study.run(case, tmp_path)
+    saved = load_results(tmp_path / "results.nc")
+    assert saved.response.nonlinear_mode is None
+    estimate = saved.response.quasi_static_mode
+    assert estimate is not None
+    assert estimate.converged
+    assert estimate.message in outcome.message
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<h2>Quasi-static estimate of a mode</h2>" in text
+    assert "<h2>Nonlinear mode</h2>" not in text
+    (table,) = (path for path in export_tables(tmp_path) if path.name == "quasi_static_mode.csv")
+    assert table.read_text(encoding="utf-8").count("\n") == estimate.modal_amplitude.size + 1
+    shown = dict(dict(check(case))["Would run"])
+    assert shown["quasi-static estimate"] == "mode 1, 0.01 to 10 um at the first output"
+
+
+def test_an_estimate_that_fails_leaves_the_mode(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both are replaced, which saves their time."""
+
+    def fails(*_: object, **__: object) -> None:
+        raise ConvergenceError("there is no static equilibrium.")
+
+    monkeypatch.setattr(nonlinear_mode, "unreported_estimate", fails)
+    monkeypatch.setattr(nonlinear_mode, "unreported_mode", fails)
+    response = solve_case(quick_case().replace(MODE)).response
+    assert (response.nonlinear_mode, response.quasi_static_mode) == (None, None)
+    printed_sentence("\n".join(response.warnings[-2:]))
+
+
+def test_a_joint_of_many_pairs_has_no_estimate_beside_its_mode() -> None:
+    analysis = quick_case().replace(MODE).analysis
+    alone = quick_case().replace(MODE | {"analysis.mode_method": "quasi-static"}).analysis
+    sliding = quick_case().replace(MODE | {"analysis.limit": "sliding"}).analysis
+    for each, pairs, expected in (
+        (analysis, 400, True),
+        (analysis, 401, False),
+        (alone, 401, True),
+        (sliding, 5, False),
+    ):
+        assert isinstance(each, ModeAnalysis)
+        assert has_estimate(each, pairs) == expected
 
 
 @pytest.mark.long
@@ -59,6 +130,7 @@ def test_a_mode_from_the_sliding_limit() -> None:
 def test_a_check_announces_the_mode() -> None:
     shown = dict(dict(check(quick_case().replace(MODE)))["Would run"])
     assert shown["nonlinear mode"] == "mode 1, 0.01 to 10 um at the first output"
+    assert shown["quasi-static estimate"] == "beside the nonlinear mode, as a check"
     assert "nonlinear mode" not in dict(dict(check(quick_case()))["Would run"])
 
 

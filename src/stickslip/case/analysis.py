@@ -60,7 +60,7 @@ class AnalysisSection(Section):
 Limit = Annotated[
     str, BeforeValidator(lambda value: repr(value) if type(value) in (int, float) else value), Field(max_length=100)
 ]
-MODE_KEYS = ("mode", "limit", "smallest_amplitude", "largest_amplitude")
+MODE_KEYS = ("mode", "limit", "mode_method", "smallest_amplitude", "largest_amplitude")
 RIDGE_KEYS = ("over", "over_from", "over_to")
 WEAR_KEYS = (
     "wear_coefficient", "energy_wear_coefficient", "wear_cycles", "wear_frequency", "running_in_sq", "running_in_depth",
@@ -120,10 +120,24 @@ class ModeAnalysis(AnalysisSection):
         default="stuck",
         description="pairs of the linear mode; the nonlinear one starts there, at the smallest or largest amplitude",
     )
+    mode_method: Literal["periodic", "quasi-static"] = Field(
+        default="periodic",
+        description="nonlinear mode of periodic motions, or the quasi-static estimate alone, in seconds",
+    )
     smallest_amplitude: Amplitude = Field(
         default=1e-8, description="of the first output, 0-to-peak, in the shape of the linear mode"
     )
     largest_amplitude: Amplitude = Field(default=1e-4, validate_default=True)
+
+    @field_validator("mode_method")
+    @classmethod
+    def _estimate_is_stuck(cls, value: str, info: ValidationInfo) -> str:
+        if value == "quasi-static" and info.data.get("limit") == "sliding":
+            raise InputError(
+                'requires limit = "stuck", but limit is "sliding": the estimate loads a mode with stuck pairs. Set '
+                'limit = "stuck", or mode_method = "periodic".'
+            )
+        return value
 
     @field_validator("largest_amplitude")
     @classmethod

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from stickslip.core.shown_numbers import MICRO, length, number, raised
+from stickslip.core.validation import FloatArray
 from stickslip.reporting.view import View
+from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.peak_ridge import PeakRidge
+from stickslip.results.quasi_static_mode import QuasiStaticMode
 
 _BESIDE, _MUCH_HIGHER = 1.25, 1.5  # chosen: factors of a value that a machine may miss, and of a peak that matters
 _SAME_PLACE = 0.02  # chosen: a check is at the minimum itself, or beside it by the distance of two points
@@ -68,15 +71,21 @@ def _beside(ridge: PeakRidge, best: float, lowest: float, named: Callable[[float
 
 
 def _mode(view: View) -> Iterator[str]:
-    mode = view.response.nonlinear_mode
+    mode, estimate = view.response.nonlinear_mode, view.response.quasi_static_mode
     if mode is not None:
-        ratio = 100.0 * mode.damping_ratio
-        output = MICRO * mode.harmonic_amplitude(view.output, 1)
-        yield (
-            f"From {number(float(output[0]), 3)} to {number(float(output[-1]), 3)} µm of {view.study.response_output}, "
-            f"mode {mode.mode} goes from {mode.frequency_hz[0]:.2f} to {mode.frequency_hz[-1]:.2f} Hz, and its damping "
-            f"ratio from {number(float(ratio[0]), 3)} to {number(float(ratio[-1]), 3)} %."
-        )
+        yield _along_mode(view, mode, mode.harmonic_amplitude(view.output, 1), "mode")
+    elif estimate is not None:
+        yield _along_mode(view, estimate, estimate.amplitude(view.output), "by a quasi-static estimate, mode")
+
+
+def _along_mode(view: View, mode: NonlinearMode | QuasiStaticMode, output: FloatArray, name: str) -> str:
+    """Frequency and damping ratio at both ends of a mode whose amplitudes of the ``output`` are in m."""
+    low, high = (number(MICRO * float(output[at]), 3) for at in (0, -1))
+    least, most = (number(100.0 * float(mode.damping_ratio[at]), 3) for at in (0, -1))
+    return (
+        f"From {low} to {high} µm of {view.study.response_output}, {name} {mode.mode} goes from "
+        f"{mode.frequency_hz[0]:.2f} to {mode.frequency_hz[-1]:.2f} Hz, and its damping ratio from {least} to {most} %."
+    )
 
 
 def _wear(view: View) -> Iterator[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.core.plain_figure import BLUE, INK, ORANGE
 from stickslip.core.shown_numbers import MICRO, number, typeset
 from stickslip.core.validation import FloatArray
+from stickslip.reporting.estimate_section import estimate_line, words_of_estimate
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import STATES
@@ -56,10 +57,11 @@ def _linear_lines(mode: NonlinearMode) -> Iterator[Any]:
 
 
 def frequency_of_mode(view: View) -> Figure:
-    """Frequency against modal amplitude, with the linear modes that are closest to its shape."""
-    mode = _mode_of(view)
+    """Frequency against modal amplitude, with the linear modes that are closest to its shape, and the estimate."""
+    mode, estimate = _mode_of(view), view.response.quasi_static_mode
+    beside = [] if estimate is None else [estimate_line(view, estimate.frequency_hz, "Hz")]
     return figure_of(
-        [*_linear_lines(mode), _curve(view, "nonlinear mode", mode.frequency_hz, "Hz")],
+        [*_linear_lines(mode), *beside, _curve(view, "nonlinear mode", mode.frequency_hz, "Hz")],
         320,
         xaxis=_amplitude_axis(mode),
         yaxis=axis_look("Frequency, Hz"),
@@ -68,11 +70,13 @@ def frequency_of_mode(view: View) -> Figure:
 
 
 def damping_of_mode(view: View) -> Figure:
-    """Damping ratio against modal amplitude, with the limit above which peaks are elsewhere."""
-    mode = _mode_of(view)
+    """Damping ratio against modal amplitude, with the limit above which peaks are elsewhere, and the estimate."""
+    mode, estimate = _mode_of(view), view.response.quasi_static_mode
     ends = mode.modal_amplitude[[0, -1]]
     limit = 100.0 * LARGEST_RATIO_OF_PEAKS
     lines = [_curve(view, "nonlinear mode", 100.0 * mode.damping_ratio, "%")]
+    if estimate is not None:
+        lines.append(estimate_line(view, 100.0 * estimate.damping_ratio, "%"))
     if not mode.passes_peaks.all():
         lines.append(line_trace(f"{limit:.0f} %", ends, [limit] * 2, ORANGE, "dot"))
     return figure_of(
@@ -124,6 +128,8 @@ def _words(view: View) -> Iterator[str]:
     if not mode.converged:
         yield mode.message
     yield from mode.warnings
+    if view.response.quasi_static_mode is not None:
+        yield from words_of_estimate(view.response.quasi_static_mode)
 
 
 NONLINEAR_MODE = Section(

@@ -17,6 +17,7 @@ from stickslip.reporting import plots
 from stickslip.reporting.assumption_section import ASSUMPTIONS
 from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.disk_section import DISK
+from stickslip.reporting.estimate_section import ESTIMATE_ALONE
 from stickslip.reporting.gradient_section import GRADIENTS
 from stickslip.reporting.look import Figure
 from stickslip.reporting.mistuning_section import MISTUNING
@@ -228,6 +229,7 @@ SECTIONS = (
     TRACTIONS,
     OTHER_SOLUTIONS,
     NONLINEAR_MODE,
+    ESTIMATE_ALONE,
     GRADIENTS,
     Section(
         "Pressure at rest",

@@ -12,6 +12,7 @@ from stickslip.core.validation import FloatArray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+ESTIMATE = "quasi-static estimate (Masing)"
 MODAL_AMPLITUDE = "Modal amplitude, m √kg"
 
 
@@ -36,8 +37,9 @@ def mode_figure(mode: Backbone, linear: Sequence[tuple[str, float]], quasi_stati
         above.axhline(hertz, color=colour, linestyle=dash, label=name)
     below.loglog(mode.modal_amplitude, 100.0 * mode.damping_ratio, ".-", color=INK, markersize=4)
     if quasi_static is not None:
-        above.semilogx(quasi_static.modal_amplitude, quasi_static.frequency_hz, color=GREEN, label="quasi-static")
-        below.loglog(quasi_static.modal_amplitude, 100.0 * quasi_static.damping_ratio, color=GREEN)
+        line = {"color": GREEN, "linestyle": "--"}
+        above.semilogx(quasi_static.modal_amplitude, quasi_static.frequency_hz, label=ESTIMATE, **line)
+        below.loglog(quasi_static.modal_amplitude, 100.0 * quasi_static.damping_ratio, **line)
     above.set_ylabel("Frequency, Hz")
     above.legend(frameon=False)
     below.set(xlabel=MODAL_AMPLITUDE, ylabel="Damping ratio, %")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray, require_positive
 from stickslip.results.periodic_motions import CURVE, PAIRS
+from stickslip.results.table import Table, column_of
 from stickslip.results.variables import Attribute, Json, Labelled, Numbers, Text, WholeNumbers, stored
 
 
@@ -76,3 +79,31 @@ class QuasiStaticMode(Labelled):
             f"{self.damping_ratio.min():.2g} to {self.damping_ratio.max():.2g}; "
             f"{'converged' if self.converged else 'NOT converged'})"
         )
+
+    @property
+    def moving_fraction(self) -> FloatArray:
+        """(n_points,) fraction of the pairs that slip or separate at the end of the load."""
+        return np.asarray((self.contact_state != ContactState.STUCK).mean(axis=1))
+
+    def amplitude(self, output: FloatArray) -> FloatArray:
+        """(n_points,) amplitude of ``output @ u`` at the end of the load; ``output`` is a row (n,)."""
+        return np.asarray(np.abs(self.displacement @ output))
+
+    def tables(self, name: str) -> Iterator[Table]:
+        """See :class:`stickslip.results.part.ResultPart`."""
+        columns = (
+            column_of("modal amplitude", "m kg^0.5", self.modal_amplitude),
+            column_of("frequency", "Hz", self.frequency_hz),
+            column_of("damping ratio", "1", self.damping_ratio),
+            column_of("friction energy", "J", self.friction_energy),
+            column_of("moving pairs", "1", self.moving_fraction),
+        )
+        yield Table(name, f"quasi-static estimate of mode {self.mode} (Masing)", columns)
+
+    def closing_words(self, name: str) -> Iterator[str]:
+        """See :class:`stickslip.results.part.ResultPart`."""
+        low, high = self.damping_ratio.min(), self.damping_ratio.max()
+        yield f"Quasi-static estimate of mode {self.mode}: {self.message} {self.modal_amplitude.size} points."
+        yield f"  frequency      {self.frequency_hz.min():.2f} to {self.frequency_hz.max():.2f} Hz"
+        yield f"  damping ratio  {100 * low:.3g} to {100 * high:.3g} %"
+        yield from (f"Warning: {sentence}" for sentence in self.warnings)

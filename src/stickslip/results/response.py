@@ -115,6 +115,8 @@ class ForcedResponse(ResponseData):
     nonlinear_mode:
         a nonlinear mode of the same structure, with its contacts about the same rest; None without ``[analysis] kind =
         "mode"``.
+    quasi_static_mode:
+        the quasi-static estimate of a stuck mode, beside the nonlinear mode or alone.
     peak_ridge:
         the peaks over a key of the study; None without ``[analysis] kind = "ridge"``.
     performance_curve:

@@ -17,6 +17,7 @@ from stickslip.results.part import ResultPart
 from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.periodic_motions import CURVE, PeriodicMotions
+from stickslip.results.quasi_static_mode import QuasiStaticMode
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
 from stickslip.results.stiffness_band import StiffnessBand
 from stickslip.results.traction_band import TractionBand
@@ -98,6 +99,9 @@ class ResponseData(PeriodicMotions):
 
     nonlinear_mode: NonlinearMode | None = field(
         default=None, metadata=stored(InGroup.of(NonlinearMode, optional=True))
+    )
+    quasi_static_mode: QuasiStaticMode | None = field(
+        default=None, metadata=stored(InGroup.of(QuasiStaticMode, optional=True))
     )
     peak_ridge: PeakRidge | None = field(default=None, metadata=stored(InGroup.of(PeakRidge, optional=True)))
     performance_curve: PeakRidge | None = field(default=None, metadata=stored(InGroup.of(PeakRidge, optional=True)))

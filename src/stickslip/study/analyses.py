@@ -18,7 +18,6 @@ from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sweep_table import Again
 from stickslip.solve.forced import unreported_response
-from stickslip.solve.modes.nonlinear_mode import unreported_mode
 from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.partial_joint import partial_response
 from stickslip.solve.path.newton import NewtonSettings
@@ -26,6 +25,7 @@ from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
 from stickslip.study.mistuning import with_mistuning
 from stickslip.study.mode import allowed_mode
+from stickslip.study.nonlinear_mode import with_mode
 from stickslip.study.ridge import checked_range, unreported_ridge
 from stickslip.study.wear import wear_of_study, worn_faces
 
@@ -241,30 +241,8 @@ def forced_curve(
 def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
     """The forced response, and beside it the nonlinear mode. Raises InputError for a mode or amplitudes that
     :func:`allowed_mode` rejects."""
-    settings, analysis = case.solver, case.analysis
-    assert isinstance(analysis, ModeAnalysis)
-    motion = allowed_mode(case, model)
-    response = forced_curve(case, model, listener, threads)
-    try:
-        mode = unreported_mode(
-            model.superelement,
-            model.pairs,
-            analysis.mode,
-            (analysis.smallest_amplitude / motion, analysis.largest_amplitude / motion),
-            limit=analysis.limit,
-            harmonics=settings.harmonics,
-            accuracy=settings.accuracy,
-            samples=settings.samples,
-            modal_damping_ratio=case.damping.modal_damping_ratio,
-            update=settings.update,
-            newton=NewtonSettings(tolerance=settings.tolerance),
-            threads=threads,
-            continuation=None,
-            progress=lambda fraction, detail: listener.update("Nonlinear mode", fraction, detail),
-        )
-    except ConvergenceError as error:  # the response is a result without it
-        return replace(response, warnings=(*response.warnings, f"The nonlinear mode was not computed: {error}"))
-    return replace(response, nonlinear_mode=mode)
+    first = allowed_mode(case, model)
+    return with_mode(case, model, forced_curve(case, model, listener, threads), first, listener, threads)
 
 
 def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:

@@ -24,7 +24,7 @@ from stickslip.study.facts import (
     sizes,
     study_warnings,
 )
-from stickslip.study.mode import require_allowed_mode
+from stickslip.study.mode import MOST_PAIRS_BESIDE, has_estimate, require_allowed_mode, words_beyond_reduction
 from stickslip.study.performance_curve import (
     HIGHEST_RATIO,
     LOWEST_RATIO,
@@ -70,7 +70,7 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
                 (f"first natural frequencies, contact stuck{constraint}", ", ".join(map(hertz, stuck_hz)) + " Hz"),
                 ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.resolution}, {solver.samples} samples"),
-                *_mode(case.analysis),
+                *_mode(case.analysis, joint.face_pairs.n_pairs),
                 *_ridge(case, setup.layout),
                 *_wear(case, joint),
                 *_mistuning(case, setup.layout, structure),
@@ -99,6 +99,7 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
             f"The friction coefficient {highest:g} is above {USUAL_FRICTION:g}: dry metal joints have 0.1 to 0.8, only "
             "rubber and clean metals in vacuum have more."
         )
+    warnings += words_beyond_reduction(case, structure)
     if _is_undamped(case, structure):
         warnings.append(
             "There is no viscous damping: a run rejects a resonance in the sweep that friction cannot bound. Give "
@@ -121,11 +122,21 @@ def _range_words(case: Case) -> str:
     return f"{case.solver.frequency_start:g} to {case.solver.frequency_stop:g} Hz"
 
 
-def _mode(analysis: AnalysisSection) -> Iterator[tuple[str, str]]:
-    """The nonlinear mode of a run, if there is one."""
-    if isinstance(analysis, ModeAnalysis):
-        low, high = (f"{1e6 * value:g}" for value in (analysis.smallest_amplitude, analysis.largest_amplitude))
-        yield "nonlinear mode", f"mode {analysis.mode}, {low} to {high} um at the first output"
+def _mode(analysis: AnalysisSection, n_pairs: int) -> Iterator[tuple[str, str]]:
+    """The nonlinear mode of a run and its quasi-static estimate, if there are any."""
+    if not isinstance(analysis, ModeAnalysis):
+        return
+    low, high = (f"{1e6 * value:g}" for value in (analysis.smallest_amplitude, analysis.largest_amplitude))
+    words = f"mode {analysis.mode}, {low} to {high} um at the first output"
+    if analysis.mode_method == "quasi-static":
+        yield "quasi-static estimate", words
+        return
+    yield "nonlinear mode", words
+    if has_estimate(analysis, n_pairs):
+        yield "quasi-static estimate", "beside the nonlinear mode, as a check"
+    elif analysis.limit == "stuck":
+        alone = 'mode_method = "quasi-static" computes it alone'
+        yield "quasi-static estimate", f"none beside a mode of more than {MOST_PAIRS_BESIDE} pairs; {alone}"
 
 
 def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:

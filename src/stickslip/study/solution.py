@@ -20,6 +20,8 @@ from stickslip.results.response import ForcedResponse
 from stickslip.study.assembled import Assembled
 from stickslip.study.disk import DiskOfStudy
 from stickslip.study.gradients import with_gradients
+from stickslip.study.mode_doubts import reduction_doubts
+from stickslip.study.nonlinear_mode import with_mode_doubts
 from stickslip.study.pairs_that_move import solved_with_moving_pairs
 from stickslip.study.record import compare_modes, study_record, with_constant_stiffness, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
@@ -98,9 +100,8 @@ def solve_case(
 
 def least_complete(response: ForcedResponse) -> Ended:
     """The curve, or of the analyses beside it the first one that ended early while the curve did not."""
-    results: tuple[Ended | None, ...] = (
-        response, response.nonlinear_mode, response.peak_ridge, response.wear, response.mistuning,
-    )  # fmt: skip
+    mode = response.nonlinear_mode or response.quasi_static_mode  # an estimate beside a mode is only its check
+    results: tuple[Ended | None, ...] = (response, mode, response.peak_ridge, response.wear, response.mistuning)
     return next((each for each in results if each is not None and not each.converged), response)
 
 
@@ -127,8 +128,10 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
         table = compare_modes(model.structure, model.superelement, pairs, model.pairs.resting_stiffness())
     else:
         table = disk.mode_rows(MODE_COUNT)
+    doubts = reduction_doubts(case, model)
     progress.update("Structure", 1.0, f"{model.substructure.size} unknowns, {model.pairs.n_pairs} pairs")
     model, response = solved_with_moving_pairs(case, model, progress, threads)
+    response = with_mode_doubts(response, doubts)
     if case.analysis.gradients:
         response = with_gradients(case, model, response, progress, threads)
     record = study_record(case, model, table, response)

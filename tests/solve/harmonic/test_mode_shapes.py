@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from sentences import printed_sentence
-from stickslip.solve.harmonic.mode_shapes import exchange_warnings, fold_warnings, step_warnings
+from stickslip.contact.law.law import ContactState
+from stickslip.solve.harmonic.mode_shapes import exchange_warnings, fold_warnings, start_warnings, step_warnings
 
 HERTZ, AMPLITUDE = np.array([100.0, 98.0, 95.0, 94.0]), np.array([1e-6, 2e-6, 4e-6, 8e-6])
 
@@ -32,3 +33,16 @@ def test_a_shape_that_changes_in_one_step_has_a_warning() -> None:
 def test_a_branch_that_turns_back_has_a_warning() -> None:
     (words,) = fold_warnings(np.array([1.0, 2.0, 3.0, 2.5, 2.0, 2.2, 4.0]))
     printed_sentence(words)
+
+
+def test_a_branch_that_begins_away_from_its_linear_mode_has_a_warning() -> None:
+    stuck = np.full(3, ContactState.STUCK)
+    slipping = np.array([ContactState.STUCK, ContactState.STICK_SLIP, ContactState.SEPARATING])
+    assert not list(start_warnings(0.99, 99.5, 100.0, 1e-6, slipping, 1, "stuck"))
+    for mac, hertz, states, limit in (
+        (0.99, 98.0, slipping, "stuck"),
+        (0.90, 100.0, stuck, "stuck"),
+        (0.99, 102.0, slipping, "sliding"),
+    ):
+        (words,) = start_warnings(mac, hertz, 100.0, 1e-6, states, 1, limit)
+        printed_sentence(words)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
@@ -25,12 +26,18 @@ LISTED_MODES, MODES_ABOVE = 12, 3
 LISTED_TURNS = 4
 # chosen: the usual limit of modal correlation, below which two shapes count as different.
 LEAST_MAC = 0.9
+# chosen: a branch begins at its linear mode if its first point has this frequency, and this MAC at least.
+START_FREQUENCY, START_MAC = 0.01, 0.98
+
+
+def sliding_stiffness(pairs: ContactPairs) -> FloatArray:
+    """(3 * n_pairs,) N/m, the springs of the pairs that are closed at rest, without those along which friction acts."""
+    return np.asarray(pairs.resting_stiffness() * ~pairs.frictional().ravel())
 
 
 def sliding_limit(superelement: Superelement, pairs: ContactPairs, damping: FloatArray) -> LinearLimit:
     """The structure with the pairs that are closed at rest in contact without friction."""
-    springs = pairs.resting_stiffness() * ~pairs.frictional().ravel()
-    operator = pairs.operator
+    springs, operator = sliding_stiffness(pairs), pairs.operator
     stiffness = superelement.stiffness + operator.T @ (springs[:, None] * operator)
     return LinearLimit.of_matrices(superelement.mass, stiffness, damping)
 
@@ -79,6 +86,29 @@ def exchange_warnings(
             f"{number} ({linear_hz[number - 1]:.2f} Hz, MAC {macs[point, number - 1]:.2f}) than to mode {before} "
             f"(MAC {macs[point, before - 1]:.2f})."
         )
+
+
+def start_warnings(
+    mac: float, frequency_hz: float, linear_hz: float, amplitude: float, states: CodeArray, mode: int, limit: str
+) -> Iterator[str]:
+    """A warning where the first point of a branch is not close to its linear mode, with the reason.
+
+    ``mac`` is that of the point with this mode, ``amplitude`` its modal amplitude, ``states`` (n_pairs,) its codes.
+    """
+    change = frequency_hz / linear_hz - 1.0
+    if abs(change) <= START_FREQUENCY and mac >= START_MAC:
+        return
+    moving = int((states != ContactState.STUCK).sum())
+    reason = "its pairs still stick for a part of the cycle, or separate, there. Give a larger largest amplitude"
+    if limit == "stuck":
+        reason = f"{moving} of {states.size} pairs slip or separate there. Give a smaller smallest amplitude"
+        if not moving:
+            reason = "no pair slips there, so the branch is that of another mode. Give another mode"
+    yield (
+        f"The mode does not begin at the linear {limit} mode {mode} of {linear_hz:.2f} Hz: at {amplitude:.3g} m kg^0.5 "
+        f"it has {frequency_hz:.2f} Hz ({100 * change:+.2g} %) and a MAC of {mac:.2f} (required: within "
+        f"{100 * START_FREQUENCY:g} % and {START_MAC:g}); {reason}."
+    )
 
 
 def step_warnings(step: FloatArray, frequency_hz: FloatArray, amplitude: FloatArray) -> Iterator[str]:

@@ -30,6 +30,7 @@ from stickslip.solve.harmonic.mode_shapes import (
     fold_warnings,
     shapes_of,
     sliding_limit,
+    start_warnings,
     step_warnings,
 )
 from stickslip.solve.harmonic.varying_harmonics import LADDER
@@ -255,6 +256,7 @@ def _result(
     macs, linear_hz = (shapes.stuck, stuck_hz) if start.limit == "stuck" else (shapes.sliding, sliding_hz)
     fine = balances.with_harmonics(balance.harmonics, 2 * balance.samples)
     motion, _ = balances.motion(trials, measures.displacement)
+    own, first = start.number - 1, (frequency_hz[0], linear_hz[start.number - 1], amplitude[0])
     return NonlinearMode(
         modal_amplitude=amplitude,
         frequency_hz=frequency_hz,
@@ -273,6 +275,7 @@ def _result(
             *motion_warnings(balance, np.full(len(trials), balance.samples), trials, measures),
             *sample_warnings(points, curve, fine),
             *doubts,
+            *start_warnings(macs[0, own], *first, trials[0].contact.state, start.number, start.limit),
             *exchange_warnings(macs, frequency_hz, linear_hz, start.number, start.limit),
             *step_warnings(shapes.step, frequency_hz, amplitude),
             *fold_warnings(amplitude),
@@ -294,7 +297,7 @@ def _result(
 def _words(complete: bool, message: str, limit: Limit) -> str:
     """The message on the end of a branch, with what may help."""
     if complete:
-        return "The mode covers the range of amplitudes."
+        return "The mode covers the range of modal amplitudes."
     return f'{message} The branch from the other limit may continue: limit = "{OTHER[limit]}".'
 
 

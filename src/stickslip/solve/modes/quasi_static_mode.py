@@ -35,6 +35,8 @@ from stickslip.solve.path.newton import Newton
 from stickslip.solve.static.load_ramp import NEWTON
 from stickslip.structure.superelement import Superelement
 
+# chosen: the damping ratio of the default study is within 0.15 % of that with four times as many; 40 have 0.7 %.
+POINTS_PER_DECADE = 80
 # chosen: the ramp starts two decades below the lowest amplitude, because the pairs may slip there already.
 DECADES_BEFORE = 2
 # chosen: a load step that fails is halved at most so often.
@@ -51,7 +53,7 @@ def quasi_static_mode(
     mode: int,
     amplitude: tuple[float, float],
     *,
-    points_per_decade: int = 40,
+    points_per_decade: int = POINTS_PER_DECADE,
     modal_damping_ratio: float | None = None,
     threads: int | None = None,
     raise_on_failure: bool = False,
@@ -78,6 +80,15 @@ def quasi_static_mode(
     InputError
         for inputs that cannot be used. ConvergenceError if there is no first point.
     """
+    result = unreported_estimate(superelement, pairs, mode, amplitude, points_per_decade, modal_damping_ratio, threads)
+    return reported(result, raise_on_failure)
+
+
+def unreported_estimate(
+    superelement: Superelement, pairs: ContactPairs, mode: int, amplitude: tuple[float, float],
+    points_per_decade: int, modal_damping_ratio: float | None, threads: int | None,
+) -> QuasiStaticMode:  # fmt: skip
+    """:func:`quasi_static_mode`, for a caller that reports a load that ends early itself."""
     began = time.perf_counter()
     bounds = checked_amplitudes(amplitude)
     density = whole_number("points_per_decade", points_per_decade, 1)
@@ -85,8 +96,7 @@ def quasi_static_mode(
         linear = LinearMode.of(superelement, pairs, mode, "stuck")
         stuck = stuck_structure(superelement, pairs, linear.omega, modal_damping_ratio)
         result = unreported_static_mode(stuck, linear, bounds, density)
-    provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
-    return reported(replace(result, provenance=provenance), raise_on_failure)
+    return replace(result, provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"})
 
 
 def unreported_static_mode(
@@ -105,7 +115,7 @@ def unreported_static_mode(
             f"the solver found no static equilibrium at a modal amplitude of {lowest:.3g} m kg^0.5. Give a lower one."
         )
     complete = len(levels) == before.size + wanted.size
-    message = "The estimate covers the range of amplitudes."
+    message = "The estimate covers the range of modal amplitudes."
     if not complete:
         message = (
             f"The solver found no static equilibrium above a modal amplitude of {levels[-1].amplitude:.3g} m kg^0.5 of "
@@ -230,6 +240,6 @@ def _warnings(pairs: ContactPairs, levels: Sequence[_Level]) -> tuple[str, ...]:
             return (
                 f"From a modal amplitude of {level.amplitude:.3g} m kg^0.5 on, normal forces change by more than "
                 f"{100 * LARGEST_CHANGE_OF_LOAD:.0f} % of the load at rest (first at {int(changed.sum())} of "
-                f"{changed.size} pairs). Masing's rule assumes constant ones: use nonlinear_mode there.",
+                f"{changed.size} pairs). Masing's rule assumes constant ones: use a nonlinear mode there.",
             )
     return ()
