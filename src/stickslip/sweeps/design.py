@@ -196,8 +196,8 @@ def _remarks(result: DesignResult) -> Iterator[str]:
     if not result.has_results:
         yield (
             f"None of {count} designs has a result, so there is no optimum. The first: {failed[0].failure} The table "
-            "of all designs gives the reason of each. Change what these reasons name in the study or in the ranges, and "
-            "give the command again."
+            "of all designs gives the reason of each. Change what these reasons name in the study or in the ranges, "
+            "and give the command again."
         )
         return
     if result.best is None:

@@ -102,8 +102,8 @@ def lock_up_sentences(cases: Sequence[TwoBladeCase]) -> Iterator[str]:
     where = "the whole of" if all(locked) else "a part of"
     yield (
         f"Friction locks the damper in {where} these ranges: {limit} (tan(angle) = 1 / mu). The ranges have {angles} "
-        f"and {frictions}. Platforms that approach each other cannot push a locked damper inwards, so it sticks and hardly "
-        "dissipates energy in that motion."
+        f"and {frictions}. Platforms that approach each other cannot push a locked damper inwards, so it sticks and "
+        "hardly dissipates energy in that motion."
     )
 
 
