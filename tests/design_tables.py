@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from stickslip.core.units import Quantity
@@ -41,7 +43,7 @@ def evaluation(number: int, stage: str, force: float, peak_m: float, failure: st
     return Evaluation(number, stage, (at,), (force,), cases, peak_m, (peak_m,), max(0.0, peak_m / 2e-4 - 1.0), gradient)
 
 
-def design_result(best: int | None = 2) -> DesignResult:
+def design_result(best: int | None = 2, cautions: tuple[str, ...] = ()) -> DesignResult:
     """The result; without an optimum for ``best`` None."""
     key = DesignKey("preload.centrifugal_force", Quantity("force"), 100.0, 500.0, 500.0)
     evaluations = (
@@ -60,5 +62,15 @@ def design_result(best: int | None = 2) -> DesignResult:
     remarks = ("The optimum is interior.",) if best is not None else ("No design of 5 satisfies all limits.",)
     sharpness = (along,) if best is not None else ()
     return DesignResult(
-        (key,), LOADS, DESIGN_MEASURES["peak"], limits, evaluations, best, starts, sharpness, remarks
+        (key,), LOADS, DESIGN_MEASURES["peak"], limits, evaluations, best, starts, sharpness, remarks, cautions
     )  # fmt: skip
+
+
+def failed_result() -> DesignResult:
+    """The result of a design none of whose cases has one."""
+    failed = tuple(
+        evaluation(number, "sample", force, 0.0, f"No <first> point of {number}.")
+        for number, force in ((1, 500.0), (2, 200.0), (3, 300.0))
+    )
+    remarks = ("None of 3 designs has a result.",)
+    return replace(design_result(None), evaluations=failed, starts=(), remarks=remarks)

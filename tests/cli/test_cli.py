@@ -157,6 +157,22 @@ def test_a_ridge_of_another_form_is_rejected(study: Study, study_file: Path, tmp
     printed_sentence(result.stderr, option)
 
 
+@pytest.mark.parametrize(
+    "option",
+    [
+        "preload.nonsense=50 N:5 kN", "excitation.mode=1:2", "solver.tolerance=1e-3:1e-2",
+        "preload.centrifugal_force=5 kN:50 N", "preload.centrifugal_force=50 m:5 km", "friction.coefficient=0.2:20",
+    ],
+)  # fmt: skip
+def test_a_ridge_that_cannot_be_is_rejected_before_anything_else(
+    study: Study, study_file: Path, tmp_path: Path, option: str
+) -> None:
+    result = invoke("run", study_file, "--out", tmp_path / "out", "--ridge", option)
+    assert (result.exit_code, study.calls) == (2, [])
+    assert not (tmp_path / "out").exists()
+    printed_sentence(result.stderr, option.partition("=")[0])
+
+
 def test_quiet_run_prints_nothing(study: Study, study_file: Path, tmp_path: Path) -> None:
     result = invoke("run", study_file, "--out", tmp_path / "out", "--quiet")
     assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable
-from design_tables import design_result
+from design_tables import design_result, failed_result
 from helpers import opened_browser
 from sentences import rejects
 from stickslip.core.errors import InputError
@@ -84,6 +84,23 @@ def test_a_design_without_an_optimum_has_a_page() -> None:
     assert set(figures_of(design_result(best=None))) == {"path", "key-0"}
 
 
+def test_a_design_without_any_result_has_a_page_with_the_reason_of_each() -> None:
+    text = page_of(failed_result())
+    assert "<h2>No design has a result</h2>" in text
+    assert [f"No result: No &lt;first&gt; point of {number}." in text for number in (1, 2, 3)] == [True] * 3
+    assert "satisfies the limits" not in text
+    assert "How sharp" not in text
+    assert figures_of(failed_result()) == {}
+    assert repr(failed_result()) == "DesignResult(no design of 3 has a result)"
+
+
+def test_cautions_on_the_ranges_are_at_the_top() -> None:
+    assert "About the ranges" not in page_of(design_result())
+    for result in (design_result(cautions=("Friction locks it.",)), design_result(None, ("Friction locks it.",))):
+        text = page_of(result)
+        assert text.index("About the ranges") < text.index("Friction locks it.") < text.index("<h2>The optimum</h2>")
+
+
 def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
     with rejects(InputError):
         write_design_page(tmp_path / "no" / "design.html", design_result(), "t", StudyText(""), PROVENANCE)
@@ -101,3 +118,13 @@ def test_the_page_in_a_browser(tmp_path: Path) -> None:
                 assert page.locator(".js-plotly-plot").count() == 3
                 page.click("#scale")
                 assert page.evaluate("document.getElementById('curves').layout.yaxis.type") == "log"
+
+
+@pytest.mark.long
+def test_the_page_without_results_in_a_browser(tmp_path: Path) -> None:
+    path = tmp_path / "design.html"
+    write_design_page(path, failed_result(), "Two blades", StudyText("[study]"), PROVENANCE)
+    with opened_browser() as browser, opened_page(browser, path, WIDTHS[0]) as page:
+        require_readable(page)
+        assert page.locator(".js-plotly-plot").count() == 0
+        assert not page.locator("#scale").is_visible()

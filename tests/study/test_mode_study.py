@@ -12,11 +12,12 @@ from law_studies import REST, interface_text, write_masses, write_study
 from sentences import printed_sentence, rejects
 from stickslip.case.analysis import ModeAnalysis
 from stickslip.core.errors import ConvergenceError, InputError
-from stickslip.model.model import build_model
+from stickslip.model.kinds.two_blade import TwoBladeSetup
+from stickslip.model.model import build_model, set_up
 from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.quasi_static_mode import QuasiStaticMode
 from stickslip.results.storage import load_results
-from stickslip.study import analyses, nonlinear_mode, solution
+from stickslip.study import analyses, nonlinear_mode
 from stickslip.study import run as study
 from stickslip.study.check import check
 from stickslip.study.export import export_tables
@@ -134,15 +135,21 @@ def test_a_check_announces_the_mode() -> None:
     assert "nonlinear mode" not in dict(dict(check(quick_case()))["Would run"])
 
 
-def test_a_mode_above_the_unknowns_is_rejected_before_the_reduction(monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_model(*_: object, **__: object) -> None:
-        raise AssertionError("nothing may be reduced")
+def test_a_mode_above_the_unknowns_is_rejected_before_the_matrices(monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_matrices(*_: object, **__: object) -> None:
+        raise AssertionError("nothing may be assembled")
 
-    monkeypatch.setattr(solution, "build_model", no_model)
+    monkeypatch.setattr(TwoBladeSetup, "assemble", no_matrices)
     case = quick_case().replace(MODE | {"analysis.mode": 99_999})
     for run in (check, solve_case):
         with rejects(InputError, "analysis.mode"):
             run(case)
+
+
+def test_the_largest_number_of_unknowns_is_that_of_the_reduction() -> None:
+    case = quick_case().replace(MODE)
+    setup, model = set_up(case), build_model(case)
+    assert setup.most_unknowns(case.reduction.modes) == model.superelement.size
 
 
 def test_a_mode_that_does_not_exist_is_rejected_before_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -37,6 +37,5 @@ def test_a_study_with_plastic_faces_runs_and_says_that_its_stiffness_is_a_lower_
 
 
 def test_a_ridge_does_not_pass_the_jump() -> None:
-    for limits in (("5 N", "100 N"), ("100 N", "5 N")):
-        with rejects(RoughnessError, "preload.centrifugal_force"):
-            ridge(quick_case(), "preload.centrifugal_force", limits)
+    with rejects(RoughnessError, "preload.centrifugal_force"):
+        ridge(quick_case(), "preload.centrifugal_force", ("5 N", "100 N"))

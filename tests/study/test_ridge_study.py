@@ -203,6 +203,7 @@ def test_only_two_blades_under_a_centrifugal_force_have_a_performance_curve() ->
          "roughness.fractal_roughness"),
         ({"analysis.over": "preload.centrifugal_force", "analysis.over_from": 0, "analysis.over_to": 10},
          "preload.centrifugal_force"),
+        ({"analysis.over_from": "70 N"}, "excitation.amplitude"),
     ],
 )  # fmt: skip
 def test_a_key_or_a_range_that_cannot_be_used_is_rejected_before_anything_runs(

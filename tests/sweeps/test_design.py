@@ -25,7 +25,7 @@ from design_cases import (
 )
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
-from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.errors import InputError
 from stickslip.study.solution import solve_case
 from stickslip.sweeps import design_cases, design_task
 from stickslip.sweeps.design import Design
@@ -204,11 +204,17 @@ def test_limits_that_no_design_satisfies_are_a_result(
     assert "No design satisfies the limits" in (tmp_path / "design.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
-def test_without_any_result_the_first_message_is_the_error(case: Case, solver: Callable[..., FakeSolver]) -> None:
+def test_a_design_without_any_result_writes_its_page_and_table(
+    case: Case, tmp_path: Path, solver: Callable[..., FakeSolver]
+) -> None:
     solver(lambda limit: [])
-    with rejects(ConvergenceError):
-        ss.design(case, RANGE, **FEW)
+    result = ss.design(case, RANGE, out=tmp_path, **FEW)
+    assert (result.converged, result.has_results, result.case, result.starts) == (False, False, None, ())
+    printed_sentence(result.remarks[0])
+    assert [file.name for file in result.files] == ["design.csv", "design.html"]
+    assert (tmp_path / "design.csv").read_text(encoding="utf-8").count("The curve ended.") == result.solved == 3
+    assert "No design has a result" in (tmp_path / "design.html").read_text(encoding="utf-8")
+    assert ss.design(case, RANGE, **FEW).remarks == result.remarks
 
 
 @pytest.mark.long

@@ -11,7 +11,9 @@ from typer.testing import CliRunner
 from design_cases import LIMIT, FakeSolver, closed_form, jenkins_file
 from sentences import printed_sentence
 from stickslip.cli import main as cli
+from stickslip.sweeps import design as designs
 from stickslip.sweeps import design_cases
+from sweep_cases import quick_file
 
 FEW = ("--samples", 3, "--starts", 2, "--workers", 1)
 
@@ -49,6 +51,30 @@ def test_limits_without_a_design_are_exit_3(study: Path, tmp_path: Path) -> None
     assert result.exit_code == 3
     assert (tmp_path / "out" / "design.html").exists()
     printed_sentence(result.stderr.splitlines()[-1], LIMIT, numbers=False)
+
+
+def test_a_design_without_any_result_is_exit_3_and_has_its_files(
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(design_cases, "solve_design", FakeSolver(lambda limit: []))
+    result = invoke(study, "--over", f"{LIMIT}=2 N:15 N", "--out", tmp_path / "out", *FEW)
+    assert result.exit_code == 3
+    assert [f"Wrote {tmp_path / 'out' / name}" in result.stdout for name in ("design.csv", "design.html")] == [True] * 2
+    printed_sentence(result.stderr.splitlines()[-1])
+
+
+@pytest.mark.slow
+def test_a_range_in_which_the_damper_locks_is_named_before_anything_is_solved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def none_solved(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(designs, "design", none_solved)
+    over = ("--over", "geometry.platform_angle=15deg:60deg", "--over", "friction.coefficient=0.2:0.8")
+    result = invoke(quick_file(tmp_path), *over, "--out", tmp_path / "out", *FEW)
+    (note,) = (line for line in result.stderr.splitlines() if line.startswith("Note: Friction locks"))
+    printed_sentence(note)
 
 
 @pytest.mark.slow

@@ -103,7 +103,7 @@ class RidgeAnalysis(AnalysisSection):
         description="the key that changes: any quantity, section.key",
         max_length=200,
     )
-    over_from: Limit = Field(default="50 N", description="its range: values above zero, each with its unit")
+    over_from: Limit = Field(default="50 N", description="its range, rising: values above zero, each with its unit")
     over_to: Limit = Field(default="5 kN")
 
 

@@ -69,6 +69,7 @@ def design(
 
         from stickslip.sweeps import axes
         from stickslip.sweeps import design as designs
+        from stickslip.sweeps.design_lock_up import lock_up_in_ranges
 
         ranges = axes.split_options(over, "--over", '"preload.centrifugal_force=50 N:5 kN"')
         loads = axes.split_options(worst_of or [], "--worst-of", "excitation.mode=single,same")
@@ -77,7 +78,10 @@ def design(
         with about_file(places):  # reported before a folder is created or a cluster is contacted
             space, _ = designs.checked_design(case, ranges, minimise, limits, loads)
             space.require_valid_box()
+            cautions = list(lock_up_in_ranges(space))
         require_folder(out)
+        for sentence in [] if quiet else cautions:
+            echo(f"Note: {sentence}", err=True)
         with solving(places, scheduler, quiet) as (progress, executor):
             result = designs.design(
                 case, ranges, executor, out, progress, minimise=minimise, subject_to=limits, worst_of=loads,
@@ -87,7 +91,7 @@ def design(
 
 
 def _close(result: Design, quiet: bool) -> None:
-    """Report the files, the optimum and the remarks; raises the exit of a design without an allowed optimum."""
+    """Report the files, the optimum and the remarks; raises the exit of a design without an optimum."""
     for notice in result.notices:
         echo(notice, err=True)
     if not quiet:

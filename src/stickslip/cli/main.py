@@ -209,6 +209,10 @@ def run(
         case = case.replace(_ridge_keys(ridge)) if ridge is not None else case
         case = case.replace({"analysis.gradients": True}) if gradients else case
         case = case.replace({"analysis.traction_band": True}) if traction_band else case
+        from stickslip.case.key_ranges import ridge_of_study
+
+        with about_file(places):  # a wrong key or range is reported before a folder is created
+            ridge_of_study(case)
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 

@@ -155,6 +155,10 @@ class Layout:
         single = [node_group.nodes for node_group in self.node_groups.values() if node_group.is_single]
         return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *single])).astype(np.int64)
 
+    def most_unknowns(self, n_modes: int) -> int:
+        """Of a reduction of a mesh to the boundary nodes and ``n_modes`` modes; one to relative motion has fewer."""
+        return 3 * self.boundary_nodes.size + n_modes
+
     def distributed_forces(self, sizes: Mapping[str, tuple[float, ...]]) -> dict[str, FloatArray]:
         """Section -> (n_nodes, 3) N of each distributed static load, from section -> its sizes (k,)."""
         return {section: (self.unit_loads[section] @ np.array(size)).reshape(-1, 3) for section, size in sizes.items()}
@@ -168,6 +172,9 @@ class Setup(Protocol):
 
     def assemble(self) -> AnyStructure:
         """The matrices; for small matrices a superelement. Raises InputError."""
+
+    def most_unknowns(self, n_modes: int) -> int:
+        """The number of unknowns that a reduction with ``n_modes`` modes does not exceed."""
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """(name, value) rows on the size of the model."""

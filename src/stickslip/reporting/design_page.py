@@ -46,6 +46,7 @@ def design_page(result: DesignResult, title: str, inputs: StudyText, provenance:
         "answer": list(_answer(result)),
         "tiles": list(_tiles(result)),
         "has_optimum": has_optimum,
+        "has_results": result.has_results,
         "remarks": result.remarks,
         "keys": [_key_row(result, place) for place in range(len(result.keys))],
         "limits": [_limit_row(result, place) for place in range(len(result.limits))],
@@ -57,8 +58,10 @@ def design_page(result: DesignResult, title: str, inputs: StudyText, provenance:
         "rows": [_design_row(result, each) for each in result.evaluations],
         "inputs": inputs,
     }
-    figures = {"path": plots.path(result)}
-    figures |= {f"key-{place}": plots.against_key(result, place) for place in range(len(result.keys))}
+    figures = {}
+    if result.has_results:
+        figures = {"path": plots.path(result)}
+        figures |= {f"key-{place}": plots.against_key(result, place) for place in range(len(result.keys))}
     if has_optimum:
         figures["curves"] = plots.curves(result)
     return whole_page(
@@ -73,12 +76,16 @@ def design_page(result: DesignResult, title: str, inputs: StudyText, provenance:
 
 
 def _notices(result: DesignResult) -> Iterator[Notice]:
-    if result.optimum is None:
+    if not result.has_results:
+        yield Notice("bad", "No design has a result", result.remarks[:1])
+    elif result.optimum is None:
         yield Notice("bad", "No design satisfies the limits", result.remarks[:1])
     else:
         doubts = [sentence for sentence in result.remarks if "wider range" in sentence or "One start" in sentence]
         if doubts:
             yield Notice("warn", "Before you use this design", doubts)
+    if result.cautions:
+        yield Notice("warn", "About the ranges", result.cautions)
 
 
 def _answer(result: DesignResult) -> Iterator[str]:

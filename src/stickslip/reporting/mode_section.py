@@ -1,4 +1,4 @@
-"""The nonlinear mode on the page: frequency, damping ratio and contact states against amplitude."""
+"""The nonlinear mode on the page: frequency, damping, contact states, energies and shape against amplitude."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from stickslip.core.shown_numbers import MICRO, number, typeset
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.estimate_section import estimate_line, words_of_estimate
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis
+from stickslip.reporting.mode_figures import energies_of_mode, shape_pictures, shape_words
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import STATES
 from stickslip.reporting.view import View
@@ -140,13 +141,29 @@ NONLINEAR_MODE = Section(
     {{ parts.figure("mode-frequency", "Frequency", "Frequency of the mode against modal amplitude") }}
     {{ parts.figure("mode-damping", "Damping ratio", "Damping ratio of the mode against modal amplitude") }}
   </div>
-  {{ parts.figure("mode-states", "Contact states", "Contact states of the mode against modal amplitude") }}
+  <div class="two">
+    {{ parts.figure("mode-states", "Contact states", "Contact states of the mode against modal amplitude") }}
+    {{ parts.figure("mode-energies", "Energy per cycle", "Energies of the mode per cycle against modal amplitude") }}
+  </div>
+{% if shapes %}
+  <p class="note">{{ shape_words }}</p>
+  <div class="two">
+{%- for shape in shapes %}
+    {{ parts.picture(shape.words, "Shape of the mode", shape.png) }}
+{%- endfor -%}
+</div>
+{% endif %}
 """,
-    lambda view: {"words": typeset(" ".join(_words(view)))},
+    lambda view: {
+        "words": typeset(" ".join(_words(view))),
+        "shape_words": typeset(shape_words(_mode_of(view))),
+        "shapes": shape_pictures(view),
+    },
     lambda view: {
         "mode-frequency": frequency_of_mode(view),
         "mode-damping": damping_of_mode(view),
         "mode-states": states_of_mode(view),
+        "mode-energies": energies_of_mode(_mode_of(view)),
     },
     applies=lambda view: view.response.nonlinear_mode is not None,
 )

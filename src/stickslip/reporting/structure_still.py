@@ -67,19 +67,38 @@ class Paint:
         return np.asarray(colormaps[COLOUR_MAP](self.norm(self.values[sketch.sides].mean(axis=1))))
 
 
-def still_picture(study: StudyRecord, sketch: Sketch, paint: Paint | None = None) -> bytes:
-    """A PNG of the structure at rest, with a second view of its contact where that is small."""
+@dataclass(frozen=True)
+class Views:
+    """What a picture shows: the whole structure, and a ``close`` view of its contact or None."""
+
+    camera: Camera
+    whole: Extent
+    close: Extent | None
+
+    @classmethod
+    def of(cls, sketch: Sketch, places: FloatArray) -> Views:
+        """The best ones of a sketch with its marks, all at ``places`` (n, 3) m."""
+        camera = best_camera(sketch)
+        return cls(camera, Extent.around(places), contact_extent(sketch, camera))
+
+
+def still_picture(study: StudyRecord, sketch: Sketch, paint: Paint | None = None, views: Views | None = None) -> bytes:
+    """A PNG of the structure as the sketch has it, with a second view of its contact where that is small."""
     stream = BytesIO()
-    structure_figure(study, sketch, paint).savefig(stream, format="png", dpi=_DPI)
+    structure_figure(study, sketch, paint, views).savefig(stream, format="png", dpi=_DPI)
     return stream.getvalue()
 
 
-def structure_figure(study: StudyRecord, sketch: Sketch, paint: Paint | None = None) -> Figure:
-    """The figure of :func:`still_picture`; with ``paint`` it has a bar of colours instead of names."""
-    camera = best_camera(sketch)
+def structure_figure(
+    study: StudyRecord, sketch: Sketch, paint: Paint | None = None, chosen: Views | None = None
+) -> Figure:
+    """The figure of :func:`still_picture`; with ``paint`` it has a bar of colours instead of names.
+
+    Pictures with the same ``chosen`` views can be compared; by default the views are the best ones of the sketch.
+    """
     shown = marked(study, sketch)
-    whole = Extent.around(shown.places)
-    close = contact_extent(sketch, camera)
+    chosen = chosen or Views.of(sketch, shown.places)
+    camera, whole, close = chosen.camera, chosen.whole, chosen.close
     views = {"": whole} if close is None else {"Whole structure": whole, "Contact": close}
     panel = _PANEL_INCHES * max(_height_fraction(extent, camera) for extent in views.values())
     bar = 0.0 if paint is None else _BAR_INCHES

@@ -233,6 +233,8 @@ class DesignResult:
         the descents, and the neighbourhood of the optimum along each key.
     remarks:
         sentences on the optimum and on the search.
+    cautions:
+        sentences on the ranges that are known before anything is solved, such as the lock-up of a damper in them.
     """
 
     keys: tuple[DesignKey, ...]
@@ -244,6 +246,12 @@ class DesignResult:
     starts: tuple[StartResult, ...]
     sharpness: tuple[Sharpness, ...]
     remarks: tuple[str, ...]
+    cautions: tuple[str, ...]
+
+    @property
+    def has_results(self) -> bool:
+        """Whether a design has a result, allowed or not."""
+        return not all(each.failure for each in self.evaluations)
 
     @property
     def optimum(self) -> Evaluation | None:
@@ -253,7 +261,8 @@ class DesignResult:
     def __repr__(self) -> str:
         best = self.optimum
         if best is None:
-            return f"DesignResult(no design of {len(self.evaluations)} satisfies the limits)"
+            words = "satisfies the limits" if self.has_results else "has a result"
+            return f"DesignResult(no design of {len(self.evaluations)} {words})"
         values = ", ".join(
             f"{key.name} = {key.label(value)}" for key, value in zip(self.keys, best.values, strict=True)
         )

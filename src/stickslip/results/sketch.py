@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, argument_error, finite_array, real_number
+from stickslip.results.mode_shapes import ModeShapes
 from stickslip.results.stress import SurfaceStress
 from stickslip.results.variables import (
     Coefficients,
@@ -107,6 +108,8 @@ class Sketch(Labelled):
         the motion at the peak of the response; None for results files of older versions.
     stress:
         the stress at the points, at the peak of the response; None if it was not computed.
+    mode_shapes:
+        the shapes of the nonlinear mode at the points; None without such a mode.
 
     Raises
     ------
@@ -142,6 +145,9 @@ class Sketch(Labelled):
     )
     stress: SurfaceStress | None = field(
         default=None, metadata=stored(Embedded(SurfaceStress, name="surface_von_mises", optional=True))
+    )
+    mode_shapes: ModeShapes | None = field(
+        default=None, metadata=stored(Embedded(ModeShapes, name="mode_shape", optional=True))
     )
 
     def __post_init__(self) -> None:
@@ -188,6 +194,12 @@ class Sketch(Labelled):
             raise InputError(
                 f"stress of the sketch has {self.stress.von_mises.size} points, but the sketch has {len(points)}.",
                 arguments=["stress"],
+            )
+        if self.mode_shapes is not None and self.mode_shapes.displacement.shape[1] != len(points):
+            raise InputError(
+                f"mode_shapes of the sketch has {self.mode_shapes.displacement.shape[1]} points, but the sketch has "
+                f"{len(points)}.",
+                arguments=["mode_shapes"],
             )
         changed: dict[str, Any] = {
             "points": points,

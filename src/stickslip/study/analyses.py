@@ -26,7 +26,7 @@ from stickslip.solve.transient.integrate import check_integration
 from stickslip.study.mistuning import with_mistuning
 from stickslip.study.mode import allowed_mode
 from stickslip.study.nonlinear_mode import with_mode
-from stickslip.study.ridge import checked_range, unreported_ridge
+from stickslip.study.ridge import unreported_ridge
 from stickslip.study.wear import wear_of_study, worn_faces
 
 # chosen: points of the curve of one of many cases, and with them its work, 2400 iterations. The default study takes 106
@@ -246,12 +246,10 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
 
 
 def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
-    """The forced response, and beside it the ridge of peaks. Raises InputError for a key or range that cannot be
-    used."""
+    """The forced response, and beside it the ridge of peaks, whose key and range were checked with the structure."""
     analysis = case.analysis
     assert isinstance(analysis, RidgeAnalysis)
     limits = analysis.over_from, analysis.over_to
-    checked_range(case, analysis.over, limits, model.joint.layout)
     response = forced_curve(case, model, listener, threads)
     try:
         peaks = unreported_ridge(case, analysis.over, limits, response.harmonics, model, listener, threads)

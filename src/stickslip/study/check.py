@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis, WearAnalysis
+from stickslip.case.analysis import AnalysisSection, ModeAnalysis, WearAnalysis
 from stickslip.case.case import Case, CyclicCase
+from stickslip.case.key_ranges import ridge_of_study
 from stickslip.case.load import has_range
 from stickslip.core.errors import concerning
 from stickslip.core.plausible import suspecting
@@ -32,7 +33,6 @@ from stickslip.study.performance_curve import (
     why_no_performance_curve,
 )
 from stickslip.study.record import CLOSED_AT_REST
-from stickslip.study.ridge import checked_range
 from stickslip.study.stiffness_band import has_stiffness_band
 from stickslip.study.wear import energy_coefficients, worn_faces
 
@@ -71,7 +71,7 @@ def check(case: Case, assembled: Assembled | None = None) -> list[tuple[str, lis
                 ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.resolution}, {solver.samples} samples"),
                 *_mode(case.analysis, joint.face_pairs.n_pairs),
-                *_ridge(case, setup.layout),
+                *_ridge(case),
                 *_wear(case, joint),
                 *_mistuning(case, setup.layout, structure),
             ],
@@ -139,12 +139,12 @@ def _mode(analysis: AnalysisSection, n_pairs: int) -> Iterator[tuple[str, str]]:
         yield "quasi-static estimate", f"none beside a mode of more than {MOST_PAIRS_BESIDE} pairs; {alone}"
 
 
-def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
-    """The ridges of peaks of a run. Raises InputError for a key or a range that cannot be used."""
-    analysis = case.analysis
-    if isinstance(analysis, RidgeAnalysis):
-        family, (low, high) = checked_range(case, analysis.over, (analysis.over_from, analysis.over_to), layout)
-        yield "peaks over a key", f"{analysis.over} from {low:g} to {high:g} {family.quantity.si_unit}".rstrip()
+def _ridge(case: Case) -> Iterator[tuple[str, str]]:
+    """The ridges of peaks of a run."""
+    ridge = ridge_of_study(case)
+    if ridge is not None:
+        family, (low, high) = ridge
+        yield "peaks over a key", f"{family.key} from {low:g} to {high:g} {family.quantity.si_unit}".rstrip()
     if has_stiffness_band(case):
         yield "stiffness band", "1/3 and 3 times the contact stiffness, which was not measured: two more curves"
     if has_performance_curve(case):

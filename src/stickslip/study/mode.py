@@ -12,7 +12,7 @@ from stickslip.case.case import Case
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import Joint
-from stickslip.model.layout import AnyStructure
+from stickslip.model.layout import AnyStructure, Setup
 from stickslip.model.model import ReducedModel, build_model
 from stickslip.model.study_structure import study_structure
 from stickslip.solve.modes.linear_mode import LinearMode, require_allowed_amplitude
@@ -44,6 +44,13 @@ def reduced_unknowns(case: Case, structure: AnyStructure, joint: Joint) -> tuple
     return study_structure(structure).reduced_unknowns(joint.layout, case.reduction.modes)
 
 
+def require_possible_mode(case: Case, setup: Setup) -> None:
+    """Raise InputError for a mode above the unknowns that any reduction of a structure has, before its matrices."""
+    analysis, most = case.analysis, setup.most_unknowns(case.reduction.modes)
+    if isinstance(analysis, ModeAnalysis) and analysis.mode > most:
+        raise _too_high(analysis.mode, most)
+
+
 def require_mode(case: Case, structure: AnyStructure, joint: Joint) -> None:
     """Raise InputError for a mode above the number of unknowns of the reduced structure.
 
@@ -52,11 +59,14 @@ def require_mode(case: Case, structure: AnyStructure, joint: Joint) -> None:
     analysis = case.analysis
     most = sum(reduced_unknowns(case, structure, joint))
     if isinstance(analysis, ModeAnalysis) and analysis.mode > most:
-        raise InputError(
-            f"mode is {analysis.mode}, but it must be at most {most}, the number of unknowns of the reduced structure. "
-            "Choose a lower mode.",
-            ("analysis.mode",),
-        )
+        raise _too_high(analysis.mode, most)
+
+
+def _too_high(mode: int, most: int) -> InputError:
+    return InputError(
+        f"mode is {mode}, but the reduced structure has at most {most} unknowns and modes. Choose a lower one.",
+        ("analysis.mode",),
+    )
 
 
 def require_allowed_mode(case: Case, structure: AnyStructure, joint: Joint) -> None:

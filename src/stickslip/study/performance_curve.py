@@ -14,6 +14,7 @@ from typing import TypeGuard
 import numpy as np
 
 from stickslip.case.case import Case, TwoBladeCase
+from stickslip.case.key_ranges import CaseFamily
 from stickslip.case.two_blade_sections import ROTATING
 from stickslip.core.errors import RoughnessError, StickslipError
 from stickslip.core.fourier import with_rows
@@ -31,7 +32,7 @@ from stickslip.solve.ridges.ridge_map import LEAST_FRACTION, RidgeMap
 from stickslip.solve.ridges.ridge_stage import RidgeOptions, RidgeStage, Work
 from stickslip.solve.ridges.ridge_walk import Pace
 from stickslip.solve.setting_up import StageReport
-from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
+from stickslip.study.ridge import CaseStages, ridge_options
 
 KEY = "preload.centrifugal_force"
 NAME = "centrifugal force over excitation force"

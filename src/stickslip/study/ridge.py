@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from stickslip.case.case import Case, CyclicCase
-from stickslip.case.key_kinds import kind_of_key
+from stickslip.case.case import Case
+from stickslip.case.key_ranges import CaseFamily, Limits
 from stickslip.core.completeness import reported
-from stickslip.core.errors import InputError, RoughnessError, concerning
+from stickslip.core.errors import RoughnessError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
-from stickslip.core.units import Quantity, number_or_text
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Layout
 from stickslip.model.model import ReducedModel, build_model, connect, load_joint, set_up
@@ -23,58 +22,6 @@ from stickslip.solve.ridges.ridge import ridge_between
 from stickslip.solve.ridges.ridge_slope import STEP
 from stickslip.solve.ridges.ridge_stage import Problem, RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
-
-# Sections whose keys change neither the mesh nor its reduction.
-JOINT_SECTIONS = ("roughness", "contact_stiffness", "friction", "preload", "excitation", "damping")
-
-
-@dataclass(frozen=True)
-class CaseFamily:
-    """The cases that differ in the value of one key, a quantity."""
-
-    case: Case
-    key: str
-    quantity: Quantity
-
-    @classmethod
-    def of(cls, case: Case, key: str) -> CaseFamily:
-        """Raises InputError for a key that does not exist or is no quantity."""
-        kind = kind_of_key(key, case)
-        if not isinstance(kind, Quantity):
-            raise InputError(
-                f"{key} is not a quantity; a ridge of peaks requires a key that changes continuously, for example "
-                "preload.centrifugal_force.",
-                arguments=[key],
-            )
-        return cls(case, key, kind)
-
-    @property
-    def changes_structure(self) -> bool:
-        """Whether each value requires its own structure."""
-        return Case.parts_of_key(self.key)[0] not in JOINT_SECTIONS
-
-    def at(self, value: float) -> Case:
-        """The case with a value in SI units. Raises StudyFileError."""
-        return self.case.replace({self.key: f"{value!r} {self.quantity.si_unit}".rstrip()})
-
-    def bounds(self, limits: tuple[float | str, float | str]) -> tuple[float, float]:
-        """The range in SI units, rising; each limit as in a study file. Raises InputError, StudyFileError."""
-        values = []
-        for limit in limits:
-            try:
-                values.append(self.quantity.parse(number_or_text(limit) if isinstance(limit, str) else limit))
-            except InputError as error:
-                raise InputError(f"{self.key} = {limit} {error}", arguments=[self.key]) from error
-        low, high = min(values), max(values)
-        if not 0.0 < low < high:
-            raise InputError(
-                f"the ridge over {self.key} has the range from {limits[0]} to {limits[1]}. Give two different values "
-                "above zero: the steps are in the logarithm.",
-                arguments=[self.key],
-            )
-        for value in (low, high):
-            self.at(value)
-        return low, high
 
 
 def _problem(model: ReducedModel) -> Problem:
@@ -127,29 +74,26 @@ def ridge_options(case: Case, tolerance: float, harmonics: int | None = None) ->
     )
 
 
-def checked_range(
-    case: Case, key: str, limits: tuple[float | str, float | str], layout: Layout
-) -> tuple[CaseFamily, tuple[float, float]]:
+def checked_range(case: Case, key: str, limits: Limits, layout: Layout) -> tuple[CaseFamily, tuple[float, float]]:
     """The family of a key and its range in SI units, after a check that both ends have a structure and a joint.
 
     Raises InputError, StudyFileError, and RoughnessError where the roughness gives no usable contact, or where a face
     has plastic spots alone at one end and elastic ones at the other: the fractal law jumps between.
     """
-    if isinstance(case, CyclicCase):
-        raise InputError(
-            'a ridge of peaks is not computed for a sector of a disk (structure.kind = "cyclic"). Use a sweep, or a '
-            "mesh of the full ring.",
-            ("structure.kind",),
-        )
     family = CaseFamily.of(case, key)
     bounds = family.bounds(limits)
-    with concerning(key):
+    require_joints(family, bounds, layout)
+    return family, bounds
+
+
+def require_joints(family: CaseFamily, bounds: tuple[float, float], layout: Layout) -> None:
+    """Raise the errors of :func:`checked_range` on both ends of a range; ``layout`` is that of the case."""
+    with concerning(family.key):
         joints = [
             load_joint(changed, set_up(changed).layout if family.changes_structure else layout)
             for changed in map(family.at, bounds)
         ]
         _require_no_jump(joints)
-    return family, bounds
 
 
 def _require_no_jump(joints: Sequence[Joint]) -> None:
@@ -166,7 +110,7 @@ def _require_no_jump(joints: Sequence[Joint]) -> None:
 def ridge(
     case: Case,
     key: str,
-    limits: tuple[float | str, float | str],
+    limits: Limits,
     *,
     harmonics: int | None = None,
     model: ReducedModel | None = None,
@@ -184,7 +128,8 @@ def ridge(
         a quantity, ``section.key`` or ``section.NAME.key``, such as "preload.centrifugal_force",
         "excitation.amplitude", "friction.coefficient", "roughness.fractal_dimension".
     limits:
-        (start, stop) of the key, each as in a study file: a number in SI units or a text with a unit; above zero.
+        (from, to) of the key, each as in a study file: a number in SI units or a text with a unit; above zero, and
+        rising.
     harmonics:
         of a case with ``solver.accuracy``, by default 5; those of its frequency curve have the accuracy.
     model:
@@ -207,7 +152,7 @@ def ridge(
 
 
 def unreported_ridge(
-    case: Case, key: str, limits: tuple[float | str, float | str], harmonics: int | None, model: ReducedModel | None,
+    case: Case, key: str, limits: Limits, harmonics: int | None, model: ReducedModel | None,
     progress: Progress | None, threads: int | None,
 ) -> PeakRidge:  # fmt: skip
     """:func:`ridge`, for a caller that reports a ridge that ends early itself."""

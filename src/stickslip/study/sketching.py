@@ -20,6 +20,7 @@ from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.outer_surface import coarsened, outer_surface
 from stickslip.study.disk import DiskOfStudy
 from stickslip.study.load_marks import distributed_marks, force_marks
+from stickslip.study.mode_shapes import MeshShapes, ShapesOfNodes
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -66,8 +67,9 @@ def sketch_of(
     motion: MeshMotion | None,
     stress: StressOfNodes | None = None,
     disk: DiskOfStudy | None = None,
+    shapes: MeshShapes | None = None,
 ) -> Sketch | None:
-    """The sketch of a study, with its ``motion`` and ``stress``; None for matrices without a shape.
+    """The sketch of a study, with its ``motion``, ``stress`` and ``shapes``; None for matrices without a shape.
 
     A ``disk`` is shown with all sectors, in which the motion of the first one arrives one after the other.
     """
@@ -91,6 +93,7 @@ def sketch_of(
         layout.distributed_forces(kind.load_sizes(case)),
         motion,
         stress,
+        None if shapes is None else shapes.at,
     )
 
 
@@ -104,6 +107,7 @@ def make_sketch(
     distributed: Mapping[str, FloatArray],
     motion: MeshMotion | None = None,
     stress: StressOfNodes | None = None,
+    shapes: ShapesOfNodes | None = None,
 ) -> Sketch:
     """Outer sides of a mesh, at most ``MOST_SIDES``, the contact among them, and the positions of loads and responses.
 
@@ -142,6 +146,7 @@ def make_sketch(
         mesh_sides=len(whole.sides),
         motion=None if motion is None else _motion(motion, shown.node, load_groups, response_groups),
         stress=None if stress is None else stress(shown.node),
+        mode_shapes=None if shapes is None else shapes(shown.node),
     )
 
 

@@ -21,6 +21,7 @@ from stickslip.study.assembled import Assembled
 from stickslip.study.disk import DiskOfStudy
 from stickslip.study.gradients import with_gradients
 from stickslip.study.mode_doubts import reduction_doubts
+from stickslip.study.mode_shapes import MeshShapes
 from stickslip.study.nonlinear_mode import with_mode_doubts
 from stickslip.study.pairs_that_move import solved_with_moving_pairs
 from stickslip.study.record import compare_modes, study_record, with_constant_stiffness, with_other_tractions
@@ -146,7 +147,7 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
         surface = partial(surface_stress, stress)
     elif case.output.stress:
         other = (*other, NO_MESH if model.in_study.mesh is None else NO_SECTOR_STRESS)
-    sketch = sketch_of(case, model, motion, surface, disk)
+    sketch = sketch_of(case, model, motion, surface, disk, MeshShapes.of(model, response.nonlinear_mode))
     frequencies = None if disk is None else disk.frequencies()
     record = replace(record, derived=(*record.derived, *other), sketch=sketch, disk=frequencies)
     return Solution(case, response, model, record, motion, stress)

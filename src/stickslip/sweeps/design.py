@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path
 
 from stickslip.case.case import Case, CyclicCase, MatrixCase
-from stickslip.core.errors import ConvergenceError, InputError, ResultsFileError
+from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import usable_cores
@@ -28,6 +28,7 @@ from stickslip.results.design import (
 from stickslip.results.record import run_provenance
 from stickslip.sweeps.axes import Vary
 from stickslip.sweeps.design_cases import DesignCases, Requirements
+from stickslip.sweeps.design_lock_up import lock_up_in_ranges
 from stickslip.sweeps.design_search import best_place, search
 from stickslip.sweeps.design_space import DesignSpace, Range
 from stickslip.sweeps.folder import SweepFolder
@@ -45,7 +46,7 @@ class Design(DesignResult):
     """The result of a design (:class:`DesignResult`) and its files.
 
     case:
-        the study with the values of the optimum, None if no design satisfies the limits.
+        the study with the values of the optimum, None if no design satisfies the limits or has a result.
     files:
         table, page and study file of the optimum.
     solved, reused:
@@ -108,8 +109,8 @@ def design(
     Raises
     ------
     InputError
-        for keys, ranges, limits or geometries that are not valid, before anything is solved. ConvergenceError if no
-        sample has a result. ResultsFileError if files cannot be written.
+        for keys, ranges, limits or geometries that are not valid, before anything is solved. ResultsFileError if files
+        cannot be written. A design without any result raises nothing; ``converged`` is False.
     """
     space, requirements = checked_design(case, over, minimise, subject_to, worst_of or {})
     count = min(MOST_SAMPLES, SAMPLES_PER_KEY * len(space.keys)) if samples is None else samples
@@ -128,10 +129,6 @@ def design(
     with _workers(executor, workers, threads, listener) as pool:
         cases = DesignCases(space, requirements, folder, pool, free_workers(pool, workers), threads, listener)
         ends, sharpness = search(cases, count, starts)
-    if all(each.failure for each in cases.evaluations):
-        raise ConvergenceError(
-            f"none of {len(cases.evaluations)} designs has a result. The first: {cases.evaluations[0].failure}"
-        )
     summary = DesignResult(
         space.keys,
         tuple(each.words for each in space.load_cases),
@@ -141,7 +138,8 @@ def design(
         best_place(cases.evaluations),
         tuple(ends),
         tuple(sharpness),
-        (),
+        remarks=(),
+        cautions=tuple(lock_up_in_ranges(space)),
     )
     content = {field.name: getattr(summary, field.name) for field in fields(summary)} | {
         "remarks": tuple(_remarks(summary))
@@ -195,6 +193,13 @@ def _remarks(result: DesignResult) -> Iterator[str]:
     """Sentences on the optimum and the search."""
     count = len(result.evaluations)
     failed = [each for each in result.evaluations if each.failure]
+    if not result.has_results:
+        yield (
+            f"None of {count} designs has a result, so there is no optimum. The first: {failed[0].failure} The table "
+            "of all designs gives the reason of each. Change what these reasons name in the study or in the ranges, "
+            "and give the command again."
+        )
+        return
     if result.best is None:
         nearest = min((each for each in result.evaluations if not each.failure), key=lambda each: each.rank)
         values = ", ".join(f"{key.name} = {key.label(at)}" for key, at in zip(result.keys, nearest.values, strict=True))

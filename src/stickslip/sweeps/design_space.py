@@ -10,10 +10,8 @@ import numpy as np
 import scipy.stats
 
 from stickslip.case.case import Case
-from stickslip.case.continuous_keys import PHYSICAL
-from stickslip.case.key_kinds import kind_of_key
+from stickslip.case.key_ranges import Limits, continuous_quantity, rising_range
 from stickslip.core.errors import InputError, StickslipError, StudyFileError, concerning
-from stickslip.core.units import Quantity, number_or_text
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Layout
 from stickslip.model.model import load_joint, set_up
@@ -22,7 +20,7 @@ from stickslip.results.sweep_table import SweptKey, Value
 from stickslip.sweeps.axes import Vary, study_value, swept_keys
 from stickslip.sweeps.plan import case_hashes, require_one_curve
 
-Range = str | tuple[float | str, float | str]
+Range = str | Limits
 MOST_KEYS = 8  # chosen: the number of samples that fill a box grows with a power of the number of keys
 MOST_LOAD_CASES = 64  # chosen: each evaluation of a design solves all of them
 CHECKED_SAMPLES = 32  # chosen: designs inside the box that are checked before the first solution, beside its corners
@@ -122,32 +120,11 @@ class DesignSpace:
 
 def _design_key(case: Case, name: str, limits: Range) -> DesignKey:
     """A key with its range. Raises InputError."""
-    kind = kind_of_key(name, case)
-    section = Case.parts_of_key(name)[0]
-    if not isinstance(kind, Quantity):
-        raise InputError(
-            f"{name} is not a quantity; a design requires keys that change continuously.", arguments=[name]
-        )
-    if section not in PHYSICAL:
-        raise InputError(
-            f"{name} describes the computation, not the structure, its joint or its loads. Remove it from the design.",
-            arguments=[name],
-        )
-    given = [part.strip() for part in limits.split(":")] if isinstance(limits, str) else list(limits)
+    kind = continuous_quantity(name, case, "a design")
+    given = tuple(part.strip() for part in limits.split(":")) if isinstance(limits, str) else tuple(limits)
     if len(given) != 2 or not all(str(each) for each in given):
         raise InputError(f'{name} has the range "{limits}", but it must be FROM:TO.', arguments=[name])
-    ends = []
-    for end in given:
-        try:
-            ends.append(kind.parse(number_or_text(end) if isinstance(end, str) else end))
-        except InputError as error:
-            raise InputError(f"{name} = {end} {error}", arguments=[name]) from error
-    if not ends[0] < ends[1]:
-        raise InputError(
-            f"{name} has the range from {given[0]} to {given[1]}. FROM must be below TO.",
-            arguments=[name],
-        )
-    return DesignKey(name, kind, ends[0], ends[1], _own_value(case, name))
+    return DesignKey(name, kind, *rising_range(name, kind, given), _own_value(case, name))
 
 
 def _own_value(case: Case, name: str) -> float:

@@ -282,7 +282,7 @@ def test_no_peak_in_the_range_is_an_error() -> None:
         )  # fmt: skip
 
 
-@pytest.mark.parametrize("limits", [(1.0, 1.0), (0.0, 1.0), (-1.0, 2.0), (1.0, 2.0, 3.0), (np.nan, 1.0)])
+@pytest.mark.parametrize("limits", [(1.0, 1.0), (0.0, 1.0), (-1.0, 2.0), (1.0, 2.0, 3.0), (np.nan, 1.0), (2.0, 1.0)])
 def test_a_range_that_cannot_be_used_is_rejected(limits: tuple[float, ...]) -> None:
     def no_problem(factor: float) -> Problem:
         raise AssertionError("nothing runs before the range is checked")

@@ -98,6 +98,10 @@ class CyclicSetup:
             return sector
         return sector_at_speed(sector, self.speed, self.coriolis, self.top_speed)
 
+    def most_unknowns(self, n_modes: int) -> int:
+        """Of the nodes and modes that the reduction retains."""
+        return self.layout.most_unknowns(n_modes)
+
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """The sizes of the sector, and the disk."""
         symmetry = self.symmetry

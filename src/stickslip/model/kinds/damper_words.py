@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import degrees
 
 from stickslip.case.case import TwoBladeCase
@@ -77,3 +77,37 @@ def damper_warnings(case: TwoBladeCase) -> Iterator[str]:
             "(tan(angle) < 1 / mu). Platforms that approach each other cannot push it inwards, so it sticks and hardly "
             "dissipates energy in that motion."
         )
+
+
+def lock_up_sentences(cases: Sequence[TwoBladeCase]) -> Iterator[str]:
+    """A sentence on where friction locks the damper between cases, all corners of a range; none if nowhere."""
+    locked = [is_locked(platform_angles(case), case.friction.coefficient) for case in cases]
+    if not any(locked):
+        return
+    means = sorted({0.5 * sum(platform_angles(case)) for case in cases})
+    coefficients = sorted({case.friction.coefficient for case in cases})
+    weak, strong = coefficients[0], coefficients[-1]
+    if means[0] == means[-1]:
+        limit = (
+            f"at the mean platform angle of {degrees(means[0]):.4g} deg, from a friction coefficient of "
+            f"{holding_friction((means[0], means[0])):.3g} on"
+        )
+    else:
+        limit = f"from a mean platform angle of {degrees(locking_angle(strong)):.4g} deg on"
+        limit += f" with a friction coefficient of {strong:g}"
+        if weak < strong:
+            limit += f", and of {degrees(locking_angle(weak)):.4g} deg on with {weak:g}"
+    angles = f"{_span('mean angle', [degrees(each) for each in means])} deg"
+    frictions = _span("friction coefficient", coefficients)
+    where = "the whole of" if all(locked) else "a part of"
+    yield (
+        f"Friction locks the damper in {where} these ranges: {limit} (tan(angle) = 1 / mu). The ranges have {angles} "
+        f"and {frictions}. Platforms that approach each other cannot push a locked damper inwards, so it sticks and "
+        "hardly dissipates energy in that motion."
+    )
+
+
+def _span(name: str, values: Sequence[float]) -> str:
+    """The first and the last of rising values in words."""
+    first, last = f"{values[0]:.4g}", f"{values[-1]:.4g}"
+    return f"a {name} of {first}" if first == last else f"{name}s of {first} to {last}"

@@ -75,10 +75,20 @@ class MatrixSetup:
             with concerning("structure.file"):
                 require_contact_bodies(self.matrices, contact)
             return self.matrices
-        places = [node_group.nodes for node_group in self.layout.node_groups.values()]
-        nodes = np.unique(np.concatenate([contact, *places]))
+        nodes = self._retained_nodes
         with concerning("structure.stiffness"), keys_of_section("reduction", {"n_modes": "modes"}):
             return reduce_matrices(self.matrices, nodes, self.n_modes, contact_nodes=contact)
+
+    @property
+    def _retained_nodes(self) -> IntArray:
+        places = [node_group.nodes for node_group in self.layout.node_groups.values()]
+        return np.unique(np.concatenate([self.layout.face_pairs.nodes, *places]))
+
+    def most_unknowns(self, n_modes: int) -> int:
+        """All unknowns of a superelement; else those of the nodes and modes that the reduction retains."""
+        if isinstance(self.matrices, Superelement):
+            return self.matrices.size
+        return 3 * self._retained_nodes.size + self.n_modes
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Nodes with three displacements, other unknowns, mass, named sets."""

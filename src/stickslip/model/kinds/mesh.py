@@ -80,6 +80,10 @@ class MeshSetup:
         )
         return attach(solids, self.attachments)
 
+    def most_unknowns(self, n_modes: int) -> int:
+        """Of the nodes and modes that the reduction retains."""
+        return self.layout.most_unknowns(n_modes)
+
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Elements, nodes, bodies with their material and mass, named sets."""
         mesh, volumes = self.mesh, body_volumes(self.mesh)

@@ -56,6 +56,10 @@ class TwoBladeSetup:
         """Matrices of the mesh, at the speed of a rotation. Raises InputError for a speed that is too high."""
         return rotating_bodies(assemble(self.mesh, self.material, element=self.element), self.rotation)
 
+    def most_unknowns(self, n_modes: int) -> int:
+        """Of the nodes and modes that the reduction retains."""
+        return self.layout.most_unknowns(n_modes)
+
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Elements and nodes."""
         return (("elements", f"{self.mesh.n_cells} ({self.element})"), ("nodes", f"{self.mesh.n_nodes}"))

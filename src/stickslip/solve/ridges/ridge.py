@@ -52,7 +52,7 @@ def peak_ridge(
     problem_at:
         gives superelement, pairs and excitation at a value of the parameter.
     parameter:
-        (start, stop) of the parameter, both above zero; steps are in its logarithm.
+        (start, stop) of the parameter, both above zero and rising; steps are in its logarithm.
     output:
         (n,) row whose 0-to-peak amplitude counts.
     frequency_hz:
@@ -121,12 +121,12 @@ def ridge_between(
 
 
 def checked_bounds(parameter: tuple[float, float]) -> tuple[float, float]:
-    """(start, stop), rising. Raises InputError unless both are above zero and differ."""
+    """(start, stop). Raises InputError unless both are above zero and rise."""
     values = finite_array("parameter", parameter)
-    if values.shape != (2,) or not (values > 0.0).all() or values[0] == values[1]:
+    if values.shape != (2,) or not 0.0 < values[0] < values[1]:
         raise InputError(
-            f"parameter is {np.array2string(values, separator=', ')}, but it must be (start, stop), two different "
-            "values above zero: steps are in its logarithm.",
+            f"parameter is {np.array2string(values, separator=', ')}, but it must be (start, stop), two values above "
+            "zero, the first below the second: steps are in its logarithm.",
             arguments=["parameter"],
         )
-    return float(values.min()), float(values.max())
+    return float(values[0]), float(values[1])
