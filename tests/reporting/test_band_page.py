@@ -69,6 +69,30 @@ def test_the_page_begins_with_its_result_in_words() -> None:
 
 
 @pytest.mark.slow
+def test_stresses_are_on_the_page_where_a_limit_asks_for_them() -> None:
+    """2 MPa of von Mises stress for each um of the peak."""
+    statistics = band_statistics(PEAKS, ["stress < 500 MPa"])
+    text = html.unescape(page_of(statistics))
+    assert (
+        "The largest von Mises stress at the peak is 400 MPa in the median, and between 220 and 580 MPa in 90 % of 32 "
+        "samples. It is that away from contacts and loads, on this mesh."
+    ) in text
+    assert "8 of 32 samples do not satisfy stress < 500 MPa" in text
+    assert "Alternating stress, MPa" in text
+    assert "compare a finer one before you trust a limit" in text
+    figures = figures_of(statistics)
+    assert named(figures["distribution-stress"], "limit: stress < 500 MPa")["x"] == [500.0, 500.0]
+    assert "The input that matters most for the largest von Mises stress at the peak is excitation.amplitude." in text
+    far = figures_of(band_statistics(PEAKS, ["stress < 5 GPa"]))["distribution-stress"]  # 4.4 beyond a range of 0.4 GPa
+    assert not [trace for trace in far["data"] if html.unescape(trace["name"]).startswith("limit")]
+    assert figures["distribution-stress"]["layout"]["xaxis"]["title"]["text"].endswith("at the peak, MPa")
+    assert figures["indices-alternating_stress"]["data"][0]["x"] == [100.0]
+    without = html.unescape(page_of(band_statistics(PEAKS)))
+    assert "von Mises" not in without
+    assert "distribution-stress" not in without
+
+
+@pytest.mark.slow
 def test_the_page_says_which_checks_its_samples_lack() -> None:
     assert "samples have no search for" in page_of(band_statistics(PEAKS))
 

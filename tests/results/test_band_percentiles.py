@@ -69,6 +69,8 @@ def test_undecided_samples_widen_the_interval_to_both_outcomes() -> None:
     assert (lower.exceeded, lower.undecided) == (1, 1)  # the open peak of 3 m is above, that of 1 m may be
     frequency = exceedance(limit_of("peak_frequency > 470 Hz"), band_table([1.0, 2.0], at_end=(1,)))
     assert (frequency.exceeded, frequency.undecided) == (1, 1)
+    stress = exceedance(limit_of("stress < 3 TPa"), band_table([1.0, 2.0, 3.0], at_end=(2,), with_stress=True))
+    assert (stress.exceeded, stress.undecided) == (1, 1)  # that of another peak beyond the end may be lower
     nothing = exceedance(limit, band_table([None, None]))
     assert np.isnan(nothing.probability)
     assert nothing.interval == (0.0, 1.0)
@@ -78,12 +80,13 @@ def test_limits_are_si() -> None:
     limit = limit_of(" upward_peak_amplitude<0.2 mm ")
     assert (limit.measure.column, limit.is_upper, limit.value) == ("upward_peak_amplitude_m", True, 2e-4)
     assert limit_of("peak_frequency > 0.45 kHz").value == 450.0
+    assert limit_of("alternating_stress < 300 MPa").value == 3e8
 
 
 @pytest.mark.parametrize(
     "text",
     ["peak < 1 mm", "peak_amplitude <= 1 mm", "peak_amplitude 1 mm", "peak_amplitude < 0.2", "peak_amplitude < 5 Hz",
-     "peak_amplitude < -1 mm", "peak_frequency > nan Hz", "stress < 1 MPa", ""],
+     "peak_amplitude < -1 mm", "peak_frequency > nan Hz", "stress < 1 mm", "strain < 1 MPa", ""],
 )  # fmt: skip
 def test_unknown_limits_are_rejected(text: str) -> None:
     with rejects(InputError, "limits"):

@@ -9,7 +9,7 @@ from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray
-from stickslip.structure.stress_cycle import principal_stresses, stress_cycle, von_mises
+from stickslip.structure.stress_cycle import largest_over_cycle, principal_stresses, stress_cycle, von_mises
 
 XX, YY, ZZ, XY, YZ, ZX = range(6)
 
@@ -52,6 +52,19 @@ def test_tension_and_shear_a_quarter_of_a_period_apart() -> None:
     # s_1 = h c + sqrt(b^2 - (b^2 - h^2) c^2) with h = a / 2 and c = cos; its slope is zero at c = h / sqrt(b^2 - h^2).
     assert cycle.largest_first_principal == pytest.approx(shear**2 / np.sqrt(shear**2 - 0.25 * tension**2))
     assert cycle.smallest_first_principal == pytest.approx(0.0, abs=1.0)
+
+
+@pytest.mark.parametrize("mean", [0.0, 3.0])
+def test_the_largest_stresses_of_many_rows_are_those_of_all_rows(mean: float) -> None:
+    """Rows of any phase and with several harmonics; only some of them are computed."""
+    rng = np.random.default_rng(4)
+    coefficients = rng.normal(size=(400, 6, 7)) * rng.uniform(0.1, 1.0, size=(400, 1, 1)) * 1e8
+    coefficients[..., 0] *= mean
+    cycle = stress_cycle(coefficients)
+    expected = (cycle.largest_von_mises.max(), cycle.alternating.max())
+    assert largest_over_cycle(coefficients) == pytest.approx(expected, rel=1e-12)
+    constant = float(von_mises(coefficients[0, :, 0]))
+    assert largest_over_cycle(coefficients[:1, :, :1]) == pytest.approx((constant, 0.0))
 
 
 def test_a_rotation_of_all_stress_directions_with_constant_von_mises_alternates() -> None:

@@ -14,14 +14,16 @@ from stickslip.case.case import Case
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.model.model import kind_of, set_up
+from stickslip.results.peaks import peaks
 from stickslip.results.storage import load_results, save_results
 from stickslip.results.stress import Region, StressSummary, SurfaceStress
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.stress import nodal_stress
 from stickslip.structure.stress_cycle import principal_stresses, von_mises
+from stickslip.study import stress as stress_module
 from stickslip.study.rest import displacement_at_rest
 from stickslip.study.solution import Solution, solve_case
-from stickslip.study.stress import goodman_factor, stress_at_peak
+from stickslip.study.stress import goodman_factor, largest_stresses_at_peak, stress_at_peak
 from stickslip.study.stress_summary import stress_summary
 from sweep_cases import quick_case
 
@@ -164,6 +166,27 @@ def test_without_a_mesh_or_without_the_wish_there_is_no_stress(vibration: Soluti
     assert stress_at_peak(vibration.case, matrices, vibration.response) is None
     unwanted = vibration.case.replace({"output.stress": False})
     assert stress_at_peak(unwanted, vibration.model, vibration.response) is None
+
+
+@pytest.mark.slow
+def test_the_largest_stresses_are_those_of_the_summary(vibration: Solution, monkeypatch: pytest.MonkeyPatch) -> None:
+    """But for the scale of the vibration, from the computed point to the peak between points."""
+    case, model, response = vibration.case, vibration.model, vibration.response
+    unwanted = case.replace({"output.stress": False})
+    found = largest_stresses_at_peak(unwanted, model, response)
+    assert vibration.record.stress is not None
+    expected = vibration.record.stress.extreme("alternating stress").value
+    highest = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))))[0]
+    factor = highest.amplitude / vibration.record.stress.displacement
+    assert found["alternating_stress"] == pytest.approx(factor * expected, rel=1e-6)
+    matrices = replace(model, structure=model.superelement)
+    with rejects(InputError):
+        largest_stresses_at_peak(case, matrices, response)
+    monkeypatch.setattr(
+        stress_module, "_regions", lambda *_: np.full(structure_of(vibration).mesh.n_nodes, Region.LOAD)
+    )
+    with rejects(InputError):
+        largest_stresses_at_peak(case, model, response)
 
 
 @pytest.mark.slow

@@ -288,7 +288,7 @@ def band(
         typer.Option(
             "--limit",
             metavar="REQUIREMENT",
-            help='Compute the probability to exceed it, for example "peak_amplitude < 0.2 mm".',
+            help='Compute the probability to exceed it, for example "peak_amplitude < 0.2 mm" or "stress < 300 MPa".',
             show_default=False,
         ),
     ] = None,
@@ -317,7 +317,7 @@ def band(
             for key in chosen:
                 with concerning(key):
                     distributions.distributions({key: chosen[key]}, case)
-            bands.require_limits(limits, samples)
+            bands.require_limits(limits, samples, case)
         require_folder(out)
         with solving(places, scheduler, quiet) as (progress, executor):
             result = bands.band(

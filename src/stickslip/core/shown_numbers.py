@@ -80,6 +80,11 @@ def capital(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
+def small(words: str) -> str:
+    """Words with a small letter at their beginning; names among them stay as they are."""
+    return words[:1].lower() + words[1:]
+
+
 def _power(mantissa: str, exponent: str | None) -> str:
     power = "" if exponent is None else f" × 10{str(int(exponent)).translate(_RAISED)}"
     return f"{mantissa.replace('-', '−')}{power}"

@@ -12,16 +12,32 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
-from stickslip.core.shown_numbers import SHOWN, number
+from stickslip.core.shown_numbers import SHOWN, number, small
 from stickslip.reporting import band_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import shown_number
 from stickslip.reporting.sweep_view import peak_remark, short_name, with_unit
 from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
-from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure, Exceedance
+from stickslip.results.band import (
+    ALTERNATING_STRESS,
+    MEASURES,
+    PERCENTILES,
+    STRESS,
+    STRESS_MEASURES,
+    BandMeasure,
+    Exceedance,
+    Percentiles,
+)
 from stickslip.results.band_statistics import BandStatistics
 
 DRAWN_MEASURES = ("peak_amplitude", "peak_frequency")
+# Headings of columns of the table of samples.
+HEADINGS = {
+    "peak_amplitude": "Highest peak",
+    "peak_frequency": "Frequency",
+    STRESS: "Stress",
+    ALTERNATING_STRESS: "Alternating stress",
+}
 DRAWN_INPUTS = 6  # chosen: plots of peaks against inputs, those with the largest influence
 
 
@@ -39,9 +55,9 @@ def write_band_page(
 
 def band_page(statistics: BandStatistics, title: str, inputs: StudyText, provenance: Mapping[str, str]) -> str:
     """The page of a band as HTML."""
-    table = statistics.table
+    table, measures = statistics.table, _drawn_measures(statistics)
     has_peaks = statistics.percentiles["peak_amplitude"].count > 0
-    resolved = [name for name in DRAWN_MEASURES if not statistics.influences[name].reason]
+    resolved = [name for name in measures if not statistics.influences[name].reason]
     drawn = _drawn_inputs(statistics) if has_peaks else []
     values = {
         "title": title,
@@ -54,22 +70,26 @@ def band_page(statistics: BandStatistics, title: str, inputs: StudyText, provena
         "has_curves": statistics.curve_band is not None,
         "has_peaks": has_peaks,
         "percents": [f"{percent:g} %" for percent in PERCENTILES],
-        "percentiles": [_percentile_row(statistics, measure) for measure in MEASURES.values()],
+        "percentiles": [_percentile_row(each) for each in statistics.percentiles.values()],
+        "has_stress": len(measures) > len(DRAWN_MEASURES),
         "tractions": list(_traction_words(statistics)),
         "limits": [_limit_row(each) for each in statistics.exceedances],
-        "measures": [(name, MEASURES[name].words) for name in DRAWN_MEASURES],
-        "influences": [_influence_words(statistics, name) for name in DRAWN_MEASURES],
+        "measures": [(name, measure.words) for name, measure in measures.items()],
+        "influences": [_influence_words(statistics, name) for name in measures],
         "resolved": resolved,
         "drawn_inputs": [(place, table.keys[place].name) for place in drawn],
         "omitted_inputs": len(table.keys) - len(drawn),
-        "headings": [*(_heading(statistics, i) for i in range(len(table.keys))), "Highest peak, µm", "Frequency, Hz"],
+        "headings": [
+            *(_heading(statistics, i) for i in range(len(table.keys))),
+            *(f"{HEADINGS[name]}, {SHOWN[measure.unit][1]}" for name, measure in measures.items()),
+        ],
         "solved_again": statistics.solved_again,
         "rows": [_sample_row(statistics, i) for i in range(len(table.rows))],
         "inputs": inputs,
     }
     figures = {"curves": plots.curves(statistics)} if statistics.curve_band is not None else {}
     if has_peaks:
-        figures |= {f"distribution-{name}": plots.distribution(statistics, MEASURES[name]) for name in DRAWN_MEASURES}
+        figures |= {f"distribution-{name}": plots.distribution(statistics, each) for name, each in measures.items()}
     figures |= {f"indices-{name}": plots.indices(statistics.influences[name]) for name in resolved}
     figures |= {f"input-{place}": plots.against_input(statistics, place) for place in drawn}
     return whole_page(
@@ -81,6 +101,12 @@ def band_page(statistics: BandStatistics, title: str, inputs: StudyText, provena
         scripts=("sweep.js",),
         data={"page-figures": plain_figures(figures)},
     )
+
+
+def _drawn_measures(statistics: BandStatistics) -> dict[str, BandMeasure]:
+    """Those of plots and of the table of samples: peak, frequency, and stresses where the samples have them."""
+    names = (*DRAWN_MEASURES, *STRESS_MEASURES)
+    return {name: statistics.percentiles[name].measure for name in names if name in statistics.percentiles}
 
 
 def _drawn_inputs(statistics: BandStatistics) -> list[int]:
@@ -106,6 +132,14 @@ def _answer(statistics: BandStatistics) -> Iterator[str]:
             f"The highest peak is {middle} µm in the median, and between {low} and {high} µm in 90 % of {result.count} "
             "samples."
         )
+    for name in _limited_stresses(statistics):
+        stress = statistics.percentiles[name]
+        if stress.count:
+            low, middle, high = (_number(stress.measure, value) for value in stress.values)
+            yield (
+                f"The {small(stress.measure.words)} is {middle} MPa in the median, and between {low} and {high} MPa in "
+                f"90 % of {stress.count} samples. It is that away from contacts and loads, on this mesh."
+            )
     for each in statistics.exceedances:
         least, most = (_percent(end) for end in each.interval)
         if not each.exceeded and not each.undecided:
@@ -119,14 +153,25 @@ def _answer(statistics: BandStatistics) -> Iterator[str]:
             f"{each.limit.text}; of all structures, {least} to "
             f"{most} % do not (95 % confidence)."
         )
-    indices = statistics.influences["peak_amplitude"]
-    if not indices.reason:
-        place = int(np.argmax(indices.total))
-        yield f"The input that matters most is {indices.names[place]}."
+    stresses = _limited_stresses(statistics)
+    for name in ("peak_amplitude", *stresses):
+        indices = statistics.influences[name]
+        if not indices.reason:
+            place = int(np.argmax(indices.total))
+            what = f" for the {small(statistics.percentiles[name].measure.words)}" if stresses else ""
+            yield f"The input that matters most{what} is {indices.names[place]}."
+
+
+def _limited_stresses(statistics: BandStatistics) -> list[str]:
+    """Names of the stresses that have a limit."""
+    limited = {each.limit.measure.name for each in statistics.exceedances}
+    return [name for name in STRESS_MEASURES if name in limited]
 
 
 def _tiles(statistics: BandStatistics) -> Iterator[Tile]:
-    for name, words in (("peak_amplitude", "Highest peak"), ("peak_frequency", "Peak frequency")):
+    shown = {"peak_amplitude": "Highest peak", "peak_frequency": "Peak frequency"}
+    shown |= {name: HEADINGS[name] for name in _limited_stresses(statistics)}
+    for name, words in shown.items():
         result = statistics.percentiles[name]
         if result.count:
             low, middle, high = (_number(result.measure, value) for value in result.values)
@@ -181,8 +226,8 @@ def _percent(fraction: float) -> str:
     return "–" if math.isnan(fraction) else number(100.0 * fraction, 3)
 
 
-def _percentile_row(statistics: BandStatistics, measure: BandMeasure) -> dict[str, Any]:
-    result = statistics.percentiles[measure.name]
+def _percentile_row(result: Percentiles) -> dict[str, Any]:
+    measure = result.measure
     cells = [_number(measure, value) for value in result.values]
     ends = [f"{_end(measure, low)} to {_end(measure, high)}" for low, high in result.intervals]
     words = f"{measure.words}, {SHOWN[measure.unit][1]}"
@@ -223,7 +268,7 @@ def _heading(statistics: BandStatistics, place: int) -> str:
 def _sample_row(statistics: BandStatistics, place: int) -> dict[str, Any]:
     row = statistics.table.rows[place]
     inputs = [key.labels[place] if key.is_choice else number(key.shown[place]) for key in statistics.table.keys]
-    results = [_number(MEASURES[name], row.measures.get(MEASURES[name].column, math.nan)) for name in DRAWN_MEASURES]
+    results = [_number(each, row.measures.get(each.column, math.nan)) for each in _drawn_measures(statistics).values()]
     again = f"Solved again: {row.solved_again.rstrip('.')}." if row.solved_again else ""
     remark = " ".join(filter(None, [peak_remark(row), again]))
     return {"cells": [str(place + 1), *inputs, *results], "remark": remark, "warnings": row.warnings}

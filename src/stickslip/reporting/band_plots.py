@@ -29,6 +29,7 @@ from stickslip.results.sweep_table import SweptKey
 DRAWN_CURVES = 64  # chosen: thin lines of samples behind the band; more are a grey area
 DRAWN_POINTS = 40_000  # chosen: points of these lines
 DRAWN_PARTS = 4  # chosen: straight parts of a step between two points of a sample
+LIMIT_REACH = 3.0  # chosen: ranges of the samples up to which a distribution shows a limit and remains readable
 _BAND = "rgba(0, 114, 178, 0.22)"
 _TRACTIONS = "rgba(230, 159, 0, 0.14)"
 TRACTIONS = "residual tractions, central inputs"
@@ -98,7 +99,7 @@ def _other_tractions(statistics: BandStatistics) -> Iterator[dict[str, Any]]:
 
 
 def distribution(statistics: BandStatistics, measure: BandMeasure) -> Figure:
-    """Histogram of a measure, the fraction of samples above each value, and its limits."""
+    """Histogram of a measure, the fraction of samples above each value, and its limits that are not far away."""
     factor, unit = SHOWN[measure.unit]
     values = measure.of(statistics.table)
     values = np.sort(factor * values[np.isfinite(values)])
@@ -129,11 +130,12 @@ def distribution(statistics: BandStatistics, measure: BandMeasure) -> Figure:
             )
         )  # fmt: skip
     for each in statistics.exceedances:
-        if each.limit.measure is measure:
-            at = factor * each.limit.value
+        at = factor * each.limit.value
+        reach = LIMIT_REACH * (np.ptp(values) or abs(values[0]))
+        if each.limit.measure is measure and values[0] - reach <= at <= values[-1] + reach:
             trace = line_trace(f"limit: {each.limit.text}", [at, at], [0, 100], **_line_of_limit())
             traces.append(trace | {"yaxis": "y2"})
-    title = f"{measure.words}, {unit}" + (", 0-to-peak" if unit != "Hz" else "")
+    title = f"{measure.words}, {unit}" + (", 0-to-peak" if measure.unit == "m" else "")
     return figure_of(
         traces,
         380,

@@ -10,7 +10,7 @@ from typing import Any
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
-from stickslip.core.shown_numbers import SHOWN, capital, number
+from stickslip.core.shown_numbers import SHOWN, capital, number, small
 from stickslip.reporting import design_plots as plots
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import shown_number
@@ -39,8 +39,7 @@ def design_page(result: DesignResult, title: str, inputs: StudyText, provenance:
     limits = "; ".join(each.text for each in result.limits)
     values = {
         "title": title,
-        "description": f"Smallest {result.measure.words.lower()} over {keys}"
-        + (f", with {limits}." if limits else "."),
+        "description": f"Smallest {small(result.measure.words)} over {keys}" + (f", with {limits}." if limits else "."),
         "byline": f"{when(provenance)} · {len(result.evaluations)} designs · {failed} failed",
         "notices": list(_notices(result)),
         "answer": list(_answer(result)),
@@ -98,7 +97,7 @@ def _answer(result: DesignResult) -> Iterator[str]:
     values = zip(result.keys, best.values, strict=True)
     keys = ", ".join(f"{_short(key)} {number(key.shown(value))} {key.unit}".rstrip() for key, value in values)
     value = _value(result.measure, best.objective)
-    words = f"The best design has {keys}: {result.measure.words.lower()} {value} {unit}{worst}"
+    words = f"The best design has {keys}: {small(result.measure.words)} {value} {unit}{worst}"
     if before is None:
         yield f"{words}."
     else:

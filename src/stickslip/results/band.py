@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +51,16 @@ MEASURES = {
         ),
     )
 }
+STRESS, ALTERNATING_STRESS = "stress", "alternating_stress"
+# At the highest peak, away from contacts and loads; samples have them where a limit asks for one.
+STRESS_MEASURES: dict[str, BandMeasure] = {
+    each.name: each
+    for each in (
+        BandMeasure(STRESS, "stress_pa", "Pa", "Largest von Mises stress at the peak"),
+        BandMeasure(ALTERNATING_STRESS, "alternating_stress_pa", "Pa", "Largest alternating stress at the peak"),
+    )
+}
+LIMITED_MEASURES = MEASURES | STRESS_MEASURES
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +129,7 @@ _LIMIT = re.compile(r"\s*([\w.]+)\s*([<>])(?!=)\s*(.+?)\s*")
 
 
 def limit_of(
-    text: str, measures: Mapping[str, BandMeasure] = MEASURES, of: str = "band", argument: str = "limits"
+    text: str, measures: Mapping[str, BandMeasure] = LIMITED_MEASURES, of: str = "band", argument: str = "limits"
 ) -> Limit:
     """A limit from its text, of one of the ``measures`` ``of`` a band or design. Raises InputError."""
     match = _LIMIT.fullmatch(text)
@@ -143,6 +153,11 @@ def limit_of(
     return Limit(text, measure, match[2] == "<", value)
 
 
+def wants_stress(limits: Iterable[Limit]) -> bool:
+    """Whether a limit is of a stress."""
+    return any(limit.measure.name in STRESS_MEASURES for limit in limits)
+
+
 @dataclass(frozen=True)
 class Exceedance:
     """The probability that a limit is exceeded.
@@ -150,7 +165,8 @@ class Exceedance:
     exceeded:
         number of samples beyond the limit.
     undecided:
-        number of samples that failed, or whose largest amplitude is at an end of the range and within the limit.
+        number of samples that failed, or whose largest amplitude is at an end of the range. There an upper limit of the
+        amplitude that is exceeded already is decided.
     count:
         number of all samples.
     probability:

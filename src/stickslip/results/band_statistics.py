@@ -15,6 +15,7 @@ import numpy as np
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.results.band import (
+    LIMITED_MEASURES,
     MEASURES,
     PERCENTILES,
     CurveBand,
@@ -25,6 +26,7 @@ from stickslip.results.band import (
     curve_band,
     exceedance,
     percentiles,
+    wants_stress,
 )
 from stickslip.results.influence import Coordinate, Influence, influence
 from stickslip.results.netcdf import netcdf_bytes
@@ -47,7 +49,8 @@ class BandStatistics:
     inputs:
         (key, text, form of the distribution, range) of each input.
     percentiles:
-        name of a measure (``results.band.MEASURES``) -> its percentiles.
+        name of a measure (``results.band.MEASURES``, with a limit of a stress also ``STRESS_MEASURES``) -> its
+        percentiles.
     influences:
         the same -> its Sobol indices.
     exceedances:
@@ -81,13 +84,14 @@ class BandStatistics:
         tractions: TractionRange | str | None = None,
     ) -> Self:
         """The statistics of samples; ``tractions`` is the range over them, or why there is none."""
+        measures = LIMITED_MEASURES if wants_stress(limits) else MEASURES
         complete = [curve for curve, row in zip(curves, table.rows, strict=True) if curve is not None and row.converged]
         return cls(
             table,
             curves,
             tuple(inputs),
-            {name: percentiles(measure, table) for name, measure in MEASURES.items()},
-            {name: influence(coordinates, measure.of(table)) for name, measure in MEASURES.items()},
+            {name: percentiles(measure, table) for name, measure in measures.items()},
+            {name: influence(coordinates, measure.of(table)) for name, measure in measures.items()},
             tuple(exceedance(limit, table) for limit in limits),
             curve_band(complete),
             tractions if isinstance(tractions, TractionRange) else None,

@@ -13,25 +13,22 @@ import numpy as np
 
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.files import whole_file
+from stickslip.core.shown_numbers import small
 from stickslip.core.units import Quantity
 from stickslip.core.validation import FloatArray
-from stickslip.results.band import BandMeasure, Limit
+from stickslip.results.band import STRESS_MEASURES, BandMeasure, Limit
 from stickslip.results.sweep_table import SweepCurve
 
 PEAK = "peak"
 PEAK_FREQUENCY = "peak_frequency"
-STRESS = "stress"
-ALTERNATING_STRESS = "alternating_stress"
 DESIGN_MEASURES = {
     each.name: each
     for each in (
         BandMeasure(PEAK, "peak_amplitude_m", "m", "Highest peak"),
         BandMeasure(PEAK_FREQUENCY, "peak_frequency_hz", "Hz", "Frequency of the highest peak"),
-        BandMeasure(STRESS, "stress_pa", "Pa", "Largest von Mises stress at the peak"),
-        BandMeasure(ALTERNATING_STRESS, "alternating_stress_pa", "Pa", "Largest alternating stress at the peak"),
+        *STRESS_MEASURES.values(),
     )
 }
-STRESSES = (STRESS, ALTERNATING_STRESS)
 # A range over this factor or more is divided by factors, else by steps.
 LOGARITHMIC_FROM = 10.0
 COST = 1.05  # what "how sharp" refers to: the change of a key that costs 5 %
@@ -348,7 +345,7 @@ def optimum_sentences(result: DesignResult) -> Iterator[str]:
         yield f"The optimum is at a switch: {' and '.join(equal)} are equally high within {100 * EQUALLY_HIGH:g} %."
     if corners and not equal:
         yield (
-            f"The optimum is at a corner along {', '.join(corners)}: the {result.measure.words.lower()} rises with a "
+            f"The optimum is at a corner along {', '.join(corners)}: the {small(result.measure.words)} rises with a "
             "finite slope to both sides."
         )
     edges = [each.key for each in result.sharpness if each.is_beside_failure]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from os import PathLike
 from pathlib import Path
@@ -147,15 +147,24 @@ class SweepRow:
 
 @dataclass(frozen=True)
 class SweepTable:
-    """All cases of a sweep in the order of their values, the last key running fastest."""
+    """All cases of a sweep in the order of their values, the last key running fastest.
+
+    ``further`` are measures beside ``MEASURES``: column -> (unit, meaning).
+    """
 
     keys: tuple[SweptKey, ...]
     rows: tuple[SweepRow, ...]
+    further: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns: case, one for each key, the measures, converged, message, warnings, file."""
-        return ("case", *(key.name for key in self.keys), *MEASURES, "converged", "message", "warnings", "file")
+        names = (key.name for key in self.keys)
+        return ("case", *names, *self._measures, "converged", "message", "warnings", "file")
+
+    @property
+    def _measures(self) -> tuple[str, ...]:
+        return (*MEASURES, *self.further)
 
     @property
     def failed(self) -> tuple[SweepRow, ...]:
@@ -191,6 +200,7 @@ class SweepTable:
         cells = list(self._cells())
         about = {key.name: (key.unit or "1", f"{key.name} of the study file") for key in self.keys}
         about |= {name: (unit, meaning) for name, (unit, meaning, _) in SUMMARY_COLUMNS.items()}
+        about |= self.further
         about |= {
             "converged": ("1", "1 if the curve is complete"),
             "message": ("", "message of the case at its end"),
@@ -219,7 +229,7 @@ class SweepTable:
 
     def _cells(self) -> Iterator[tuple[Any, ...]]:
         for row in self.rows:
-            measures = (row.measures.get(name, float("nan")) for name in MEASURES)
+            measures = (row.measures.get(name, float("nan")) for name in self._measures)
             yield (row.name, *row.values, *measures, row.converged, row.message, " ".join(row.warnings), row.file)
 
 

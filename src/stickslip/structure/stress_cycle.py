@@ -22,6 +22,7 @@ MOST_SAMPLES = 2048
 PAIR_SAMPLES_OF_HARMONIC = 14
 MOST_PAIR_SAMPLES = 224
 _ROWS_AT_ONCE = 200  # chosen to bound the memory
+_SEARCHED_AT_ONCE = 50  # chosen: rows with the highest bounds, of which one usually has the largest stress
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _GOLDEN_STEPS = 24  # shrinks the interval between two samples by 1e-5; the error of a maximum is the square of that
 
@@ -84,6 +85,32 @@ def stress_cycle(coefficients: FloatArray) -> StressCycle:
     parts = [_cycle(array[start : start + _ROWS_AT_ONCE]) for start in range(0, len(array), _ROWS_AT_ONCE)]
     columns = zip(*parts, strict=True) if parts else ((np.empty(0),) for _ in range(8))
     return StressCycle(*(np.concatenate(column) for column in columns))
+
+
+def largest_over_cycle(coefficients: FloatArray) -> tuple[float, float]:
+    """The largest von Mises stress and the largest alternating stress in Pa of all rows of :func:`stress_cycle`.
+
+    Only rows whose bound is above the largest value found so far are computed: no von Mises stress of a period exceeds
+    that of the mean plus those of the amplitudes of all harmonics, and no alternating stress exceeds these amplitudes.
+
+    ``coefficients`` (p, 6, 2H+1) with p > 0. Raises InputError for another shape.
+    """
+    size = von_mises(np.swapaxes(coefficients, 1, 2))
+    vibration = np.hypot(size[:, 1::2], size[:, 2::2]).sum(axis=1)
+
+    def largest(bound: FloatArray, of_cycle: Callable[[StressCycle], FloatArray]) -> float:
+        order, found = np.argsort(-bound), 0.0
+        for start in range(0, len(order), _SEARCHED_AT_ONCE):
+            rows = order[start : start + _SEARCHED_AT_ONCE]
+            if start and bound[rows[0]] <= found:
+                break
+            found = max(found, float(of_cycle(stress_cycle(coefficients[rows])).max()))
+        return found
+
+    return (
+        largest(size[:, 0] + vibration, lambda cycle: cycle.largest_von_mises),
+        largest(vibration, lambda cycle: cycle.alternating),
+    )
 
 
 def von_mises(stress: FloatArray) -> FloatArray:

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stickslip.case.case import Case, CyclicCase, MatrixCase
+from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Layout
 from stickslip.model.model import Model, kind_of, make_excitation, make_static_load
-from stickslip.results.peaks import peaks
+from stickslip.results.band import STRESS_MEASURES
+from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.results.stress import Region
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.stress import NodalStress, nodal_stress
-from stickslip.structure.stress_cycle import StressCycle, stress_cycle, von_mises
+from stickslip.structure.stress_cycle import StressCycle, largest_over_cycle, stress_cycle, von_mises
 from stickslip.study.rest import displacement_at_rest
-
-if TYPE_CHECKING:
-    from stickslip.case.case import Case
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,44 +61,117 @@ class StressAtPeak:
     point: int
 
 
+@dataclass(frozen=True, eq=False)
+class _StressAtPoint:
+    """Coefficients of the stress at the highest point of a curve: fields as those of :class:`StressAtPeak`.
+
+    omitted:
+        (3 * n_nodes, 2H+1) m, the part of the displacement by modes that the reduction omits.
+    """
+
+    structure: Structure
+    displacement: FloatArray
+    omitted: FloatArray
+    nodal: NodalStress
+    region: IntArray
+    static: str
+    peak: Peak
+
+    @property
+    def is_ordinary(self) -> NDArray[np.bool_]:
+        """(p,) whether a row is away from contacts and loads."""
+        return np.isin(self.region, (Region.ORDINARY, Region.CONSTRAINED))
+
+
 def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> StressAtPeak | None:
     """The stress at the highest point of the curve of the first response.
 
     None for matrices without a mesh, a sector of a disk, and for a case with ``output.stress = false``.
     """
+    found = _stress_at_point(case, model, response) if case.output.stress else None
+    if found is None:
+        return None
+    structure, nodal = found.structure, found.nodal
+    omitted = nodal_stress(structure, found.omitted).stress
+    cycle = stress_cycle(nodal.stress)
+    ordinary = found.is_ordinary
+    chosen = ordinary if ordinary.any() else np.ones_like(ordinary)
+    largest = float(cycle.alternating[chosen].max())
+    return StressAtPeak(
+        structure.mesh,
+        found.displacement,
+        nodal,
+        cycle,
+        found.region,
+        _goodman(structure, nodal, cycle),
+        found.static,
+        float(von_mises(omitted.swapaxes(1, 2)).sum(axis=1)[chosen].max()) / largest if largest else 0.0,
+        float(response.frequency_hz[found.peak.point]),
+        found.peak.point,
+    )
+
+
+def largest_stresses_at_peak(case: Case, model: Model, response: ForcedResponse) -> dict[str, float]:
+    """Measure of ``results.band.STRESS_MEASURES`` -> Pa at the highest peak, away from contacts and loads.
+
+    The vibration is scaled from the highest computed point of the curve to the peak between points. ``output.stress``
+    has no influence. Raises InputError for a structure without stress (:func:`require_stress`), and where each cell
+    touches a contact or a load.
+    """
+    found = _stress_at_point(case, model, response)
+    if found is None:
+        raise InputError(f"{' and '.join(STRESS_MEASURES)} require the full mesh of bodies, which this model lacks.")
+    if not found.is_ordinary.any():
+        raise InputError(
+            "each cell of the mesh is at a contact or at a load, so there is no stress away from them. Use a finer "
+            "mesh."
+        )
+    coefficients = found.nodal.stress[found.is_ordinary]
+    at_point = float(response.amplitude(_first_output(model))[found.peak.point])
+    coefficients[..., 1:] *= found.peak.amplitude / at_point
+    return dict(zip(STRESS_MEASURES, largest_over_cycle(coefficients), strict=True))
+
+
+def require_stress(case: Case, of: str) -> None:
+    """Raise InputError for a structure without stress, for which ``of`` (a band, a design) cannot have its measures."""
+    reasons = {
+        MatrixCase: 'requires a mesh, but structure.kind is "matrices"',
+        CyclicCase: 'requires the mesh of all bodies, but structure.kind is "cyclic" (a sector of a disk)',
+    }
+    for kind, reason in reasons.items():
+        if isinstance(case, kind):
+            raise InputError(
+                f"{of} with {' or '.join(STRESS_MEASURES)} {reason}, so no stress is computed. Limit the peak instead.",
+                ("structure.kind",),
+            )
+
+
+def _first_output(model: Model) -> FloatArray:
+    """(n,) row of the response whose peak counts."""
+    return next(iter(model.outputs.values()))
+
+
+def _stress_at_point(case: Case, model: Model, response: ForcedResponse) -> _StressAtPoint | None:
+    """The stress at the highest point, with the state at rest; None without the full mesh of bodies."""
     structure = model.in_study.full_model
-    if not case.output.stress or structure is None:
+    if structure is None:
         return None
     recovery = model.superelement.recovery
     if not isinstance(recovery, Recovery):
         return None
-    point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))), response.part)[0].point
+    peak = peaks(response.frequency_hz, response.amplitude(_first_output(model)), response.part)[0]
+    point = peak.point
     loads = _FullLoads(case, model.joint.layout, structure.full_size)
     omega = 2.0 * np.pi * float(response.frequency_hz[point])
     load = response.load_factor[point] * loads.harmonic(omega, response.harmonics)
     reduced = response.displacement[point]
     displacement = recovery.with_omitted_modes(reduced, load, omega)
-    omitted = nodal_stress(structure, displacement - recovery @ reduced).stress
+    omitted = displacement - recovery @ reduced
     static, rest = displacement_at_rest(model, structure, recovery, loads.static())
     displacement[:, :1] += rest
     nodal = nodal_stress(structure, displacement)
-    cycle = stress_cycle(nodal.stress)
     region = _regions(case, model.joint.layout, structure)[nodal.node]
-    ordinary = (region == Region.ORDINARY) | (region == Region.CONSTRAINED)
-    chosen = ordinary if ordinary.any() else np.ones_like(ordinary)
-    largest = float(cycle.alternating[chosen].max())
-    return StressAtPeak(
-        structure.mesh,
-        displacement,
-        nodal,
-        cycle,
-        region,
-        _goodman(structure, nodal, cycle),
-        static,
-        float(von_mises(omitted.swapaxes(1, 2)).sum(axis=1)[chosen].max()) / largest if largest else 0.0,
-        float(response.frequency_hz[point]),
-        point,
-    )
+    return _StressAtPoint(structure, displacement, omitted, nodal, region, static, peak)
 
 
 def goodman_factor(

@@ -20,11 +20,12 @@ from stickslip.core.units import number_or_text
 from stickslip.core.validation import FloatArray, whole_number
 from stickslip.reporting.band_page import write_band_page
 from stickslip.reporting.templates import StudyText
-from stickslip.results.band import Limit, TractionRange, limit_of
+from stickslip.results.band import STRESS_MEASURES, Limit, TractionRange, limit_of, wants_stress
 from stickslip.results.band_statistics import BandStatistics
 from stickslip.results.record import run_provenance
 from stickslip.results.storage import load_results
 from stickslip.results.sweep_table import SweepTable
+from stickslip.study.stress import require_stress
 from stickslip.sweeps.distributions import Distribution, described, distributions
 from stickslip.sweeps.plan import LARGEST_SWEEP, PlannedCase, hash_of, plan_rows
 from stickslip.sweeps.run import SolvedCases, solve_planned
@@ -88,7 +89,8 @@ def band(
     limits:
         requirements "peak_amplitude < 0.2 mm" whose probability to be exceeded is computed; < or >, and one of
         peak_amplitude, upward_peak_amplitude, downward_peak_amplitude, peak_frequency, upward_peak_frequency,
-        downward_peak_frequency.
+        downward_peak_frequency; stress (largest von Mises stress at the highest peak, away from contacts and loads) or
+        alternating_stress. With a limit of a stress each sample has both.
     executor, out, progress, workers, threads:
         as for :func:`stickslip.sweep`. A band into a folder with finished samples solves only the others; more samples
         contain those of fewer.
@@ -104,7 +106,8 @@ def band(
         case, places = load_case_and_positions(case)
         own = places.scattered
     chosen = distributions({**own, **(scatter or {})}, case)
-    required = require_limits(limits, samples)
+    required = require_limits(limits, samples, case)
+    with_stress = wants_stress(required)
     points = sample_points(len(chosen), samples)
     keys = tuple(each.key(points[:, place]) for place, each in enumerate(chosen))
     samples_case = case.replace({"analysis.traction_band": False})
@@ -120,9 +123,14 @@ def band(
         first = _without_checks(_central(samples_case, chosen))
         harmonics = None if case.solver.accuracy is None else _harmonics(lambda: solved([first], workers=1), first)
         planned = tuple(_without_checks(each, harmonics) for each in planned)
+    further: dict[str, tuple[str, str]] = {}
+    if with_stress:
+        planned = tuple(map(_with_stress, planned))
+        away = "away from contacts and loads"
+        further = {each.column: (each.unit, f"{each.words}, {away}") for each in STRESS_MEASURES.values()}
     central = _central(case, chosen) if case.analysis.traction_band else None
     run = solved((*planned, *([central] if central else [])))
-    table = SweepTable(keys, tuple(run.row(each) for each in planned))
+    table = SweepTable(keys, tuple(run.row(each) for each in planned), further)
     curves = tuple(run.outcomes[each.key].curve for each in planned)
     coordinates = [each.coordinate(points[:, place]) for place, each in enumerate(chosen)]
     inputs = [described(each) for each in chosen]
@@ -139,6 +147,12 @@ def _without_checks(planned: PlannedCase, harmonics: int | None = None) -> Plann
     ``harmonics`` of the central curve."""
     key = hash_of({"case": planned.key, "checks": False} | ({} if harmonics is None else {HARMONICS: harmonics}))
     return replace(planned, key=key, checks=False, harmonics=harmonics)
+
+
+def _with_stress(planned: PlannedCase) -> PlannedCase:
+    """A sample with the stress at its peak, in a folder of its own beside that of the same sample without it."""
+    key = hash_of({"case": planned.key, "stress": True})
+    return replace(planned, name=f"stress_{planned.name}", key=key, wants_stress=True)
 
 
 def _harmonics(solve: Callable[[], SolvedCases], central: PlannedCase) -> int | None:
@@ -175,12 +189,16 @@ def _traction_range(run: SolvedCases, central: PlannedCase) -> TractionRange | s
     return TractionRange(row.measures["peak_amplitude_m"], ends[0], ends[1], curves)
 
 
-def require_limits(limits: Sequence[str], samples: int) -> list[Limit]:
-    """The limits of a band. Raises InputError for an unknown one, or a number of samples that is not possible."""
+def require_limits(limits: Sequence[str], samples: int, case: Case) -> list[Limit]:
+    """The limits of a band of a case. Raises InputError for an unknown one, for that of a stress where the structure
+    has none, and for a number of samples that is not possible."""
     whole_number("samples", samples, LEAST_SAMPLES)
     if samples > LARGEST_SWEEP:
         raise InputError(f"samples is {samples}, but at most {LARGEST_SWEEP} are allowed.", arguments=["samples"])
-    return [limit_of(text) for text in limits]
+    required = [limit_of(text) for text in limits]
+    if wants_stress(required):
+        require_stress(case, "a band")
+    return required
 
 
 def sample_points(inputs: int, samples: int) -> FloatArray:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
 
-from stickslip.case.case import Case, CyclicCase, MatrixCase
+from stickslip.case.case import Case, CyclicCase
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.core.progress import Progress, SilentProgress
@@ -20,12 +20,12 @@ from stickslip.results.band import Limit, limit_of
 from stickslip.results.design import (
     DESIGN_MEASURES,
     PEAK,
-    STRESSES,
     DesignResult,
     agreement_sentence,
     optimum_sentences,
 )
 from stickslip.results.record import run_provenance
+from stickslip.study.stress import require_stress
 from stickslip.sweeps.axes import Vary
 from stickslip.sweeps.design_cases import DesignCases, Requirements
 from stickslip.sweeps.design_lock_up import lock_up_in_ranges
@@ -162,18 +162,14 @@ def checked_design(
         )
     limits: list[Limit] = [limit_of(text, DESIGN_MEASURES, "design", "subject_to") for text in subject_to]
     requirements = Requirements(measure, tuple(limits))
-    if requirements.wants_stress and isinstance(case, MatrixCase):
-        raise InputError(
-            f"a design with {' or '.join(STRESSES)} requires a mesh, but structure.kind is "
-            '"matrices", so no stress is computed. Limit the peak instead.',
-            ("structure.kind",),
-        )
     if isinstance(case, CyclicCase):
         raise InputError(
             'a design follows gradients, which are not computed for a sector of a disk (structure.kind = "cyclic"). '
             "Use a sweep, or a mesh of the full ring.",
             ("structure.kind",),
         )
+    if requirements.wants_stress:
+        require_stress(case, "a design")
     return DesignSpace.of(case, over, worst_of), requirements
 
 

@@ -11,8 +11,8 @@ from stickslip.core.errors import StickslipError
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.shown_numbers import SHOWN, number
 from stickslip.core.validation import FloatArray
-from stickslip.results.band import BandMeasure, Limit
-from stickslip.results.design import STRESSES, DesignCase, DesignPeak, Evaluation
+from stickslip.results.band import STRESS_MEASURES, BandMeasure, Limit, wants_stress
+from stickslip.results.design import DesignCase, DesignPeak, Evaluation
 from stickslip.sweeps.design_space import DesignSpace, LoadCase
 from stickslip.sweeps.design_task import DesignTask, solve_design
 from stickslip.sweeps.folder import SweepFolder
@@ -45,7 +45,7 @@ class Requirements:
     @property
     def wants_stress(self) -> bool:
         """Whether a stress is minimised or limited."""
-        return any(each.name in STRESSES for each in (self.measure, *(limit.measure for limit in self.limits)))
+        return self.measure.name in STRESS_MEASURES or wants_stress(self.limits)
 
     def worst(self, cases: Sequence[DesignCase], measure: BandMeasure, is_upper: bool) -> float:
         """The worst value of a measure over load cases."""

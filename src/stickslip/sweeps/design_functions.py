@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from stickslip.core.validation import FloatArray
-from stickslip.results.band import Limit
-from stickslip.results.design import PEAK, PEAK_FREQUENCY, STRESSES, DesignCase, DesignPeak, Evaluation
+from stickslip.results.band import STRESS_MEASURES, Limit
+from stickslip.results.design import PEAK, PEAK_FREQUENCY, DesignCase, DesignPeak, Evaluation
 from stickslip.sweeps.design_cases import DesignCases, Request
 from stickslip.sweeps.design_task import MOST_PEAKS
 from stickslip.sweeps.minimax import Functions
@@ -141,7 +141,7 @@ class DesignFunctions:
 def _is_far(limit: Limit, evaluation: Evaluation) -> bool:
     """Whether a stress is so far below its limit that the slope of a peak does for its own, which takes two further
     solutions for each key: the constraint then has no effect on the next step."""
-    if limit.measure.name not in STRESSES or not limit.is_upper:
+    if limit.measure.name not in STRESS_MEASURES or not limit.is_upper:
         return False
     return all(case.value(limit.measure.name) < FAR_FROM_LIMIT * limit.value for case in evaluation.cases)
 

@@ -54,6 +54,8 @@ class PlannedCase:
         whether multipliers and a search for missed peaks belong to its results.
     harmonics:
         those that a similar case required, with which it is solved first; None if none is known.
+    wants_stress:
+        whether the stress at its peak belongs to its results.
     """
 
     name: str
@@ -63,6 +65,7 @@ class PlannedCase:
     case: Case
     checks: bool = True
     harmonics: int | None = None
+    wants_stress: bool = False
 
 
 def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...]:

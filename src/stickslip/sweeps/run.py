@@ -231,6 +231,7 @@ class SolvedCases:
             task = CaseTask(
                 planned.case, planned.key, joint, threads, wants_file,
                 checks=planned.checks, harmonics=planned.harmonics, name=planned.name,
+                stress_of=planned.structure if planned.wants_stress else None,
             )  # fmt: skip
             group.cases.append((planned, task))
         if first_error is not None and len(self.planned) == len(self.outcomes) and not self.reused:

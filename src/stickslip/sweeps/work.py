@@ -1,7 +1,8 @@
 """Tasks of a worker, as plain functions of plain data: any executor can run them, on this machine or another.
 
 Cases with the same structure have one reduction (``ReducedStructure``): one task makes it, the tasks of the cases
-receive it without the large recovery matrix. A worker writes no file; it returns the bytes of the results file.
+receive it without the large recovery matrix. For the stress at its peak a task uses the full structure of its process
+(:mod:`stickslip.sweeps.full_structure`). A worker writes no file; it returns the bytes of the results file.
 """
 
 from __future__ import annotations
@@ -25,10 +26,13 @@ from stickslip.model.joint import Joint
 from stickslip.model.layout import Setup
 from stickslip.model.model import connect, reduce_structure
 from stickslip.model.study_structure import ReducedStructure
+from stickslip.results.band import STRESS_MEASURES
 from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
 from stickslip.study.analyses import AGAIN_BECAUSE, SOLVED_AGAIN, solve
 from stickslip.study.record import compare_modes, study_record
+from stickslip.study.stress import largest_stresses_at_peak
+from stickslip.sweeps.full_structure import full_structure
 from stickslip.sweeps.task_reports import TaskProgress
 
 # Entry of a results file's provenance with the hash of inputs and version.
@@ -43,7 +47,8 @@ class CaseTask:
 
     ``checks`` and ``harmonics`` as :func:`stickslip.study.analyses.solve` has them.
 
-    ``name`` is that of the case in reports on the running task.
+    ``name`` is that of the case in reports on the running task. ``stress_of`` is the hash of its structure, if the
+    stress at its peak is wanted; None for none.
     """
 
     case: Case
@@ -54,6 +59,7 @@ class CaseTask:
     checks: bool = field(default=True, kw_only=True)
     harmonics: int | None = field(default=None, kw_only=True)
     name: str = field(default="case", kw_only=True)
+    stress_of: str | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +144,11 @@ def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
 
 
 def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
-    model = connect(task.case, reduced, task.joint)
+    full = None
+    if task.stress_of is None:
+        model = connect(task.case, reduced, task.joint)
+    else:  # the motion in the unknowns of the reduction whose recovery gives the stress
+        model = full = full_structure(task.stress_of, task.case, task.threads).model(task.case, task.joint)
     progress = TaskProgress(task.name)
     response = solve(task.case, model, progress, threads=task.threads, checks=task.checks, harmonics=task.harmonics)
     response = replace(response, provenance={**response.provenance, CASE_KEY: task.key})
@@ -146,6 +156,9 @@ def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     table = reduced.mode_table if model.pairs.resting_stiffness().all() else ()
     record = study_record(task.case, model, table, response)
     curve, measures = curve_and_measures(response, record)
+    if full is not None and response.converged:
+        stresses = largest_stresses_at_peak(task.case, full, response)
+        measures |= {STRESS_MEASURES[name].column: value for name, value in stresses.items()}
     content = results_bytes(response, record) if task.wants_file else b""
     warnings = (*record.warnings, *response.warnings)
     details: dict[str, Any] = {HARMONICS: response.harmonics}
