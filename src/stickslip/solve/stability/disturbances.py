@@ -48,8 +48,6 @@ class Disturbances:
     ----------
     values:
         the multipliers, the largest first; all that matter, and often more.
-    vectors:
-        (size, n) their disturbances; size is 0 if no pair deviates from its springs.
     """
 
     def __init__(
@@ -61,22 +59,23 @@ class Disturbances:
         self._period = None
         if not moving.size:
             self.values = stuck_multipliers(model, omega)
-            self.vectors = np.zeros((0, self.values.size), dtype=complex)
             return
         self._period = Period(model, steps, moving, omega)
         self._scale = self._period.scale(model, omega)[:, None]
         self._neutral = neutral_disturbances(model, steps, moving, sticks, omega, self._scale[:, 0])
         if self._period.size <= DENSE_SIZE:
-            values, vectors = np.linalg.eig(self._march(np.eye(self._period.size)))
+            self._basis = np.eye(self._period.size)
+            values, vectors = np.linalg.eig(self._march(self._basis))
         else:
-            values, vectors = _largest(self._march, self._period.size, 2 * model.frequency.size)
+            values, vectors, self._basis = _largest(self._march, self._period.size, 2 * model.frequency.size)
         order = np.argsort(-np.abs(values), kind="stable")
-        self.values, self.vectors = values[order].astype(complex), vectors[:, order].astype(complex)
+        self.values, self._vectors = values[order].astype(complex), vectors[:, order]
 
-    def relative_motion(self, disturbances: FloatArray, samples: IndexArray, pairs: IndexArray) -> FloatArray:
-        """(s, q, 3, c) relative displacements of q pairs in c disturbances, at ``samples`` 1 to n, ascending."""
-        if self._period is None or not disturbances.size:
-            return np.zeros((samples.size, pairs.size, 3, disturbances.shape[1]))
+    def relative_motion(self, places: IndexArray, samples: IndexArray, pairs: IndexArray) -> FloatArray:
+        """(s, q, 3, c) relative displacements of q pairs at ``samples`` 1 to n, ascending, in the disturbances of c
+        real multipliers, which have these ``places`` among the values. A pair must deviate from its springs."""
+        assert self._period is not None
+        disturbances = self._basis @ self._vectors[:, places].real
         both = self._period.displacements(self._scale * self._neutral.before(disturbances), samples)
         rows = (3 * pairs[:, None] + np.arange(3)).ravel()
         return np.asarray((self._contact[rows] @ both).reshape(samples.size, pairs.size, 3, -1))
@@ -126,9 +125,10 @@ def _arrays(steps: LinearSteps) -> tuple[FloatArray, ...]:
     return steps.keep, steps.by_end, steps.by_start, steps.normal
 
 
-def _largest(march: Marching, size: int, count: int) -> tuple[ComplexArray, ComplexArray]:
-    """The largest eigenvalues, and their eigenvectors, by a block Krylov iteration (Y. Saad, Numerical Methods for
-    Large Eigenvalue Problems, 2011, sec. 6.2), started from disturbances of the ``count`` states of the structure.
+def _largest(march: Marching, size: int, count: int) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    """The largest eigenvalues, their eigenvectors in a basis, and this basis, by a block Krylov iteration (Y. Saad,
+    Numerical Methods for Large Eigenvalue Problems, 2011, sec. 6.2), started from disturbances of the ``count`` states
+    of the structure.
 
     Sliders forget within a period, so one march leads from there nearly into the space of the largest multipliers.
     """
@@ -140,8 +140,9 @@ def _largest(march: Marching, size: int, count: int) -> tuple[ComplexArray, Comp
     for _ in range(MOST_BLOCKS):
         basis, image = np.hstack([basis, block]), np.hstack([image, march(block)])
         values, vectors = np.linalg.eig(basis.T @ image)
-        errors = np.linalg.norm(image @ vectors - basis @ (vectors * values), axis=0)
-        if (errors[np.abs(values) > SMALLEST_SIZE] <= RITZ_TOLERANCE).all():
+        large = np.abs(values) > SMALLEST_SIZE
+        errors = np.linalg.norm(image @ vectors[:, large] - basis @ (vectors[:, large] * values[large]), axis=0)
+        if (errors <= RITZ_TOLERANCE).all():
             break
         latest = image[:, -block.shape[1] :]
         block = _orthonormal(latest - basis @ (basis.T @ latest), float(np.linalg.norm(latest)))
@@ -149,7 +150,7 @@ def _largest(march: Marching, size: int, count: int) -> tuple[ComplexArray, Comp
         block, _ = np.linalg.qr(block - basis @ (basis.T @ block))
         if not block.size:
             break
-    return np.asarray(values, dtype=complex), np.asarray(basis @ vectors, dtype=complex)
+    return values, vectors, basis
 
 
 def _orthonormal(block: FloatArray, size: float) -> FloatArray:

@@ -111,19 +111,21 @@ class Period:
         free = free_step(model, 2.0 * np.pi / omega / samples, omega)
         self._p, self._r, self._k = model.frequency.size, model.far_contact.shape[1], moving.size
         self._springs = np.ascontiguousarray(model.springs[moving])
-        weight = np.eye(self._p + self._r)
-        weight[: self._p, : self._p] = free.by_end[: self._p]
         contact = np.hstack([model.near_contact, model.far_contact])[rows].reshape(self._k, 3, -1)
         arrays = (steps.keep, steps.by_end, steps.by_start, steps.normal)
         keep, by_end, by_start, normal = (np.ascontiguousarray(each) for each in arrays)
         kinds = np.empty(normal.shape, dtype=np.int8)
         _classify(keep, by_end, by_start, self._springs, kinds)
-        forms, changed = np.empty((samples, *weight.shape)), np.empty(samples, dtype=np.bool_)
+        size = self._p + self._r
+        forms, changed = np.empty((samples, size, size)), np.empty(samples, dtype=np.bool_)
         _prepare(contact, by_end, normal, self._springs, forms, changed)
-        inverses = np.linalg.inv(np.eye(len(weight)) + weight @ forms[changed])[np.cumsum(changed) - 1]
+        matrices = forms[changed]
+        of_near = np.ascontiguousarray(free.by_end[: self._p])
+        matrices[:, : self._p] = of_near @ matrices[:, : self._p]
+        matrices += np.eye(size)
         self._arguments = (
-            contact, kinds, keep, by_end, by_start, normal, self._springs, free.advance, free.by_end, weight, forms,
-            inverses,
+            contact, kinds, keep, by_end, by_start, normal, self._springs, free.advance, free.by_end, of_near,
+            np.ascontiguousarray(forms[:, : self._p]), np.linalg.inv(matrices), np.cumsum(changed) - 1,
         )  # fmt: skip
 
     @property
@@ -255,9 +257,10 @@ def _march(
     springs: FloatArray,
     advance: FloatArray,
     force_end: FloatArray,
-    weight: FloatArray,
+    of_near: FloatArray,
     forms: FloatArray,
     inverses: FloatArray,
+    which: IndexArray,
 ) -> FloatArray:
     """States (size, c) one period after ``start``, which is at sample 0; fills the displacements ``seen`` (s, size, c)
     at some ``samples`` (s,)."""
@@ -273,7 +276,7 @@ def _march(
     _copy(start, p + size, 2 * pairs, 1.0, memory, zero)
     relative = np.dot(directions, both)
     # The force at sample 0, and the part of it of the pairs that stay.
-    staying = np.zeros((size, columns))
+    staying, known = np.zeros((size, columns)), np.empty((size, columns))
     for pair in range(pairs):
         _copy(memory, 2 * pair, two, 1.0, values, 3 * pair)
         _copy(relative, 3 * pair + 2, one, normal[0, pair] - springs[pair, 2], values, 3 * pair + 2)
@@ -312,15 +315,15 @@ def _march(
         past = staying
         if count:
             past = staying + _gathered(rows, values, count)
-        motion, known = np.dot(advance, state), np.dot(weight, past)
+        motion, moved_by = np.dot(advance, state), np.dot(of_near, past[:p])
         for row in range(size):
             for c in range(columns):
-                known[row, c] = (motion[row, c] if row < p else 0.0) - known[row, c]
-        both = np.dot(inverses[j], known)
+                known[row, c] = motion[row, c] - moved_by[row, c] if row < p else -past[row, c]
+        both = np.dot(inverses[which[j]], known)
         if place < len(samples) and samples[place] == step:
             seen[place] = both
             place += 1
-        force = np.dot(forms[j, :p], both)
+        force = np.dot(forms[j], both)
         force += past[:p]
         motion -= np.dot(force_end, force)
         _copy(motion, zero, 2 * p, 1.0, state, zero)

@@ -79,10 +79,11 @@ class PointMultipliers:
         if self._touching.size:
             sticking = self._if_they_stick(self._touching)
             growing = _growing(sticking.values)
-            limits = TouchedLimits.of(self._pairs, cycle, self._steps, self._touching)
-            motion = sticking.relative_motion(sticking.vectors[:, growing].real, limits.samples, limits.pairs)
-            leave = limits.is_left_by(motion, sticking.values[growing].real)
-            certain, may_leave = sticking.values[growing[leave]], not leave.all()
+            if growing.size:
+                limits = TouchedLimits.of(self._pairs, cycle, self._steps, self._touching)
+                motion = sticking.relative_motion(growing, limits.samples, limits.pairs)
+                leave = limits.is_left_by(motion, sticking.values[growing].real)
+                certain, may_leave = sticking.values[growing[leave]], not leave.all()
         barely = _barely_slipping(self._motion, cycle.slider, self._moving)
         barely = barely[self._trial.contact.state[barely] == ContactState.STICK_SLIP]
         if barely.size and not certain.size and not may_leave:
