@@ -138,8 +138,9 @@ def test_run_passes_the_case_and_names_the_files(study: Study, study_file: Path,
     assert result.stderr.splitlines() == ["Mesh ...", "Mesh: 5005 nodes", "Curve ..."]
 
 
-def test_run_with_a_ridge_changes_the_analysis(study: Study, study_file: Path, tmp_path: Path) -> None:
-    option = "preload.centrifugal_force = 50 N : 5 kN"
+@pytest.mark.parametrize("key", ["preload.centrifugal_force", "centrifugal_force"])
+def test_run_with_a_ridge_changes_the_analysis(study: Study, study_file: Path, tmp_path: Path, key: str) -> None:
+    option = f"{key} = 50 N : 5 kN"
     assert invoke("run", study_file, "--out", tmp_path / "out", "--ridge", option, "--quiet").exit_code == 0
     ((_, case, _),) = study.calls
     analysis = case.to_dict()["analysis"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,11 @@ def test_the_page_says_what_the_optimum_costs_and_why_designs_failed() -> None:
 
 
 def test_one_start_confirms_nothing() -> None:
-    assert agreement_sentence(design_result()).startswith("There was one start only, so a better optimum is possible")
+    words = "There was one start only, so a better optimum is possible"
+    agreement = agreement_sentence(design_result())
+    assert agreement.startswith(words)
+    text = page_of(replace(design_result(), remarks=(agreement,)))
+    assert text.index("Before you use this design") < text.index(words) < text.index("<h2>The optimum</h2>")
 
 
 def test_a_design_without_an_optimum_has_a_page() -> None:

@@ -118,6 +118,16 @@ def test_a_study_with_an_accuracy_has_a_performance_curve_with_the_harmonics_of_
 
 
 @pytest.mark.slow
+def test_a_check_says_where_friction_locks_the_damper_in_the_range_of_a_ridge() -> None:
+    ridge_over = {"analysis.kind": "ridge", "analysis.over": "friction.coefficient", "analysis.over_from": 0.1}
+    case = quick_case().replace(ridge_over | {"analysis.over_to": 5.0})
+    (words,) = [each for _, each in dict(check(case))["Warnings"] if "locks the damper" in each]
+    printed_sentence(words)
+    without = dict(check(case.replace({"analysis.over_to": 0.5}))).get("Warnings", [])
+    assert not any("locks the damper" in each for _, each in without)
+
+
+@pytest.mark.slow
 def test_a_check_announces_the_ridges() -> None:
     case = quick_case().replace(RIDGE | {"analysis.performance_curve": True})
     shown = dict(dict(check(case))["Would run"])

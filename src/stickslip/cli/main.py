@@ -229,7 +229,10 @@ def _ridge_keys(option: str) -> dict[str, str]:
         raise InputError(
             f'--ridge "{option}" must be KEY=FROM:TO, for example --ridge "preload.centrifugal_force=50 N:5 kN".'
         )
-    return {"analysis.kind": "ridge", "analysis.over": key, "analysis.over_from": start, "analysis.over_to": stop}
+    from stickslip.case.key_kinds import full_key
+
+    range_keys = {"analysis.over_from": start, "analysis.over_to": stop}
+    return {"analysis.kind": "ridge", "analysis.over": full_key(key), **range_keys}
 
 
 @app.command()

@@ -16,7 +16,15 @@ from stickslip.reporting.look import plain_figures
 from stickslip.reporting.style import shown_number
 from stickslip.reporting.templates import Notice, StudyText, Tile, when, whole_page
 from stickslip.results.band import BandMeasure, Limit
-from stickslip.results.design import DesignCase, DesignKey, DesignResult, Evaluation, Sharpness, StartResult
+from stickslip.results.design import (
+    BETTER_POSSIBLE,
+    DesignCase,
+    DesignKey,
+    DesignResult,
+    Evaluation,
+    Sharpness,
+    StartResult,
+)
 
 
 def write_design_page(
@@ -80,7 +88,7 @@ def _notices(result: DesignResult) -> Iterator[Notice]:
     elif result.optimum is None:
         yield Notice("bad", "No design satisfies the limits", result.remarks[:1])
     else:
-        doubts = [sentence for sentence in result.remarks if "wider range" in sentence or "One start" in sentence]
+        doubts = [sentence for sentence in result.remarks if "wider range" in sentence or BETTER_POSSIBLE in sentence]
         if doubts:
             yield Notice("warn", "Before you use this design", doubts)
     if result.cautions:

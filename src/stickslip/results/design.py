@@ -34,6 +34,7 @@ LOGARITHMIC_FROM = 10.0
 COST = 1.05  # what "how sharp" refers to: the change of a key that costs 5 %
 SAME_VALUE, SAME_PLACE = 0.01, 0.05  # chosen: two optima agree within 1 % of value, 5 % of each range
 AT_BOUND = 1e-3  # chosen: fraction of the range
+BETTER_POSSIBLE = "so a better optimum is possible"  # words of sentences that the page repeats as a warning
 EQUALLY_HIGH = 0.01  # chosen: two peaks within 1 % of each other
 ACTIVE = 0.01  # chosen: a limit within 1 % of its value
 # Of a corner, the rise over twice the distance is twice as large; of a parabola, four times.
@@ -374,9 +375,9 @@ def agreement_sentence(result: DesignResult) -> str:
     count, value = len(result.starts), sum(each.same_value for each in result.starts)
     place = sum(each.same_place for each in result.starts)
     if count == 1:
-        return "There was one start only, so a better optimum is possible: use more samples and starts."
+        return f"There was one start only, {BETTER_POSSIBLE}: use more samples and starts."
     words = f"{value} of {count} starts reach the same optimum within {100 * SAME_VALUE:g} % of its value"
     if place < value:
         words += f", {place} of them at the same design"
-    warning = " Only one start leads to it, so a better optimum is possible: use more samples and starts."
+    warning = f" Only one start leads to it, {BETTER_POSSIBLE}: use more samples and starts."
     return f"{words}.{warning if value == 1 else ''}"

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.case.case import Case, TwoBladeCase
+from stickslip.case.key_ranges import ridge_of_study
 from stickslip.contact.constants import NORMAL_LOAD
 from stickslip.contact.law.law import BoolArray, ContactLaw, ContactState
 from stickslip.contact.pairing.pairing import FacePairs
@@ -15,6 +17,7 @@ from stickslip.contact.pairing.rows import EFFECT_OF_FEW_ROWS, faces_with_few_ro
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
+from stickslip.model.kinds.damper_words import LOCK_UP_KEYS, lock_up_sentences
 from stickslip.model.layout import AnyStructure, Derived, Setup
 from stickslip.model.model import kind_of
 from stickslip.model.rough_face import RoughFace, waves_of
@@ -26,7 +29,6 @@ from stickslip.study.form import form_rows, form_warnings
 from stickslip.study.mode import reduced_unknowns
 
 if TYPE_CHECKING:
-    from stickslip.case.case import Case
     from stickslip.model.model import ReducedModel
 
 
@@ -253,10 +255,20 @@ def linear_natural_frequencies(response: ForcedResponse, count: int = 4) -> tupl
 
 
 def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
-    """Warnings of the input and of the roughness law, each message once."""
+    """Warnings of the input, of the range of a ridge, and of the roughness law, each message once."""
     sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.messages)
     found = (*(odd.sentence for odd in odd_values(case, joint.layout)), *joint.layout.messages, *sentences)
-    return (*found, *form_warnings(case, joint), *joint.stiffness_warnings, *kind_of(case).warnings(case))
+    of_case = *kind_of(case).warnings(case), *_lock_up_of_ridge(case)
+    return (*found, *form_warnings(case, joint), *joint.stiffness_warnings, *of_case)
+
+
+def _lock_up_of_ridge(case: Case) -> Iterator[str]:
+    """A sentence on the lock-up of the damper where only a part of the range of a ridge has it."""
+    ridge = ridge_of_study(case)
+    if ridge is None or not isinstance(case, TwoBladeCase) or ridge[0].key not in LOCK_UP_KEYS:
+        return
+    family, ends = ridge
+    yield from lock_up_sentences([each for end in ends if isinstance(each := family.at(end), TwoBladeCase)])
 
 
 def _rows_of_pairs(pairs: FacePairs) -> Iterator[tuple[str, str]]:

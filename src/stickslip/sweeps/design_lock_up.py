@@ -6,18 +6,15 @@ import itertools
 from collections.abc import Iterator
 
 from stickslip.case.case import TwoBladeCase
-from stickslip.model.kinds.damper_words import lock_up_sentences
+from stickslip.model.kinds.damper_words import LOCK_UP_KEYS, lock_up_sentences
 from stickslip.sweeps.design_space import DesignSpace
-
-# On no other key does the lock-up depend, and it comes with a larger value of each.
-KEYS = ("geometry.platform_angle", "geometry.right_platform_angle", "friction.coefficient")
 
 
 def lock_up_in_ranges(space: DesignSpace) -> Iterator[str]:
     """A sentence on the lock-up in the ranges and load cases of a design, where it is in them; solves nothing."""
     if not isinstance(space.case, TwoBladeCase):
         return
-    ends = [(key.low, key.high) if key.name in KEYS else (key.low,) for key in space.keys]
+    ends = [(key.low, key.high) if key.name in LOCK_UP_KEYS else (key.low,) for key in space.keys]
     cases = [
         case
         for values in itertools.product(*ends)

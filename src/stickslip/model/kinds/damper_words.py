@@ -13,6 +13,9 @@ from stickslip.model.kinds.dimensions import geometry_of
 from stickslip.model.layout import Derived
 from stickslip.model.rough_face import case_material
 
+# On no other key does the lock-up depend, and it comes with a larger value of each.
+LOCK_UP_KEYS = ("geometry.platform_angle", "geometry.right_platform_angle", "friction.coefficient")
+
 
 def platform_angles(case: TwoBladeCase) -> tuple[float, float]:
     """Angles of the left and the right face, rad."""
