@@ -149,7 +149,10 @@ def response_of(
     )
     damped, free_ratio = balances.is_damped, balances.shown_free.damping_ratio(window)
     samples = np.array([balance_of(len(trial.amplitude) // 2).samples for trial in trials])
-    notes = curve_warnings(check, balance, samples, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
+    notes = curve_warnings(
+        check, balance, samples, trials, measures, damped, free_ratio, balances.modal_damping_ratio,
+        (few_digits or newton).tolerance,
+    )  # fmt: skip
     motion, walk = balances.motion(trials, measures.displacement)
     retreats_hz, corners_hz = ([omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners))
     report.stage(f"{len(trials)} points", 1.0)

@@ -38,12 +38,13 @@ def curve_warnings(
     damped: bool,
     free_ratio: float | None,
     wanted_ratio: float | None,
+    tolerance: float,
 ) -> tuple[str, ...]:
     """All warnings on a curve; ``balance`` is that of its point with most harmonics, ``samples`` (n,) are those of each
-    point."""
+    point, and ``tolerance`` is the coarsest one of Newton's method."""
     sentences = [
         *check.warnings(balance.harmonics, balance.samples),
-        *motion_warnings(balance, samples, trials, measures),
+        *motion_warnings(balance, samples, trials, measures, tolerance),
     ]
     if not damped:
         sentences.append(
@@ -59,10 +60,10 @@ def curve_warnings(
 
 
 def motion_warnings(
-    balance: Balance, samples: NDArray[np.int64], trials: Sequence[Trial], measures: CurveMeasures
+    balance: Balance, samples: NDArray[np.int64], trials: Sequence[Trial], measures: CurveMeasures, tolerance: float
 ) -> tuple[str, ...]:
-    """Warnings on the motions of a curve with ``samples`` (n,): work of normal forces, sliders, residuals, drift and
-    walk."""
+    """Warnings on the motions of a curve with ``samples`` (n,) and a ``tolerance`` of Newton's method: work of normal
+    forces, sliders, residuals, drift and walk."""
     omega = np.array([trial.omega for trial in trials])
     work = measures.normal_work.sum(axis=1)
     sentences = list(normal_work_warnings(omega, work, measures.input_energy, samples))
@@ -74,7 +75,7 @@ def motion_warnings(
         )
     return (
         *sentences,
-        *_residual(measures.residual),
+        *_residual(measures.residual, max(LARGEST_RESIDUAL, tolerance)),
         *_drift(balance, trials),
         *walk_warnings(balance.pairs, trials),
     )
@@ -154,13 +155,13 @@ def _places(frequencies_hz: Iterable[float]) -> str:
     return ", ".join(words[:4] + (["..."] if len(words) > 4 else []))
 
 
-def _residual(residuals: FloatArray) -> tuple[str, ...]:
-    """A warning where the solution does not satisfy the equation of motion."""
-    if residuals.max() <= LARGEST_RESIDUAL:
+def _residual(residuals: FloatArray, allowed: float) -> tuple[str, ...]:
+    """A warning where the solution does not satisfy the equation of motion, beyond what its tolerance allows."""
+    if residuals.max() <= allowed:
         return ()
     return (
         f"The equation of motion is satisfied only to {residuals.max():.1e} of its forces (required: "
-        f"{LARGEST_RESIDUAL:.0e}). Contact many orders stiffer than the structure loses digits; a lower contact "
+        f"{allowed:.0e}). Contact many orders stiffer than the structure loses digits; a lower contact "
         "stiffness that is still rigid in effect gives the same motion more exactly.",
     )
 

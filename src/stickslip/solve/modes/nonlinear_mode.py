@@ -159,7 +159,7 @@ def unreported_mode(
             doubts = harmonics_warnings(mode_branch.points, mode_branch.with_harmonics(balances, least + 2), newton)
         else:
             mode_branch, doubts = _by_accuracy(followed, balances, accuracy, least, newton, report)
-        result = _result(mode_branch, balances, start, doubts, report)
+        result = _result(mode_branch, balances, start, doubts, newton.tolerance, report)
     provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
     options = {
         **({} if accuracy is None else {"accuracy": accuracy}),
@@ -220,9 +220,10 @@ def _by_accuracy(
 
 
 def _result(
-    followed: ModeBranch, balances: Balances, start: LinearMode, doubts: tuple[str, ...], report: StageReport
-) -> NonlinearMode:
-    """The labelled result of a branch: energies, shapes, checks and warnings."""
+    followed: ModeBranch, balances: Balances, start: LinearMode, doubts: tuple[str, ...], tolerance: float,
+    report: StageReport,
+) -> NonlinearMode:  # fmt: skip
+    """The labelled result of a branch, solved to a ``tolerance``: energies, shapes, checks and warnings."""
     report.stage("energies and checks of the mode")
     superelement, stuck = balances.superelement, balances.stuck
     branch, curve, points = followed.branch, followed.curve, followed.points
@@ -272,7 +273,7 @@ def _result(
         converged=complete,
         message=_words(complete, message, start.limit),
         warnings=(
-            *motion_warnings(balance, np.full(len(trials), balance.samples), trials, measures),
+            *motion_warnings(balance, np.full(len(trials), balance.samples), trials, measures, tolerance),
             *sample_warnings(points, curve, fine),
             *doubts,
             *start_warnings(macs[0, own], *first, trials[0].contact.state, start.number, start.limit),
