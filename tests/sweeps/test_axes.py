@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import stickslip as ss
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.sweeps.axes import split_options, study_value, swept_keys
@@ -107,6 +108,12 @@ def test_options_of_the_command_line() -> None:
     # one section alone has the first key, several the second one
     assert split_options(["damper_mass=5g:50g"]) == {"preload.damper_mass": "5g:50g"}
     assert split_options(["amplitude=1 N"]) == {"amplitude": "1 N"}
+    # of two blades; a sector of a disk has a platform angle in another section
+    two_blades = ss.TwoBladeCase()
+    assert split_options(["platform_angle=1 deg"]) == {"platform_angle": "1 deg"}
+    assert split_options(["platform_angle=1 deg"], case=two_blades) == {"geometry.platform_angle": "1 deg"}
+    with pytest.raises(InputError, match=r"Did you mean geometry\.platform_angle\?"):
+        swept_keys({"damper.platform_angle": "20 deg"}, two_blades)
     for wrong in ("a.b", "=1", "a.b="):
         with rejects(InputError):
             split_options([wrong])

@@ -28,7 +28,8 @@ def kind_of_key(name: str, case: Case | None) -> Quantity | Count | tuple[str, .
     if section not in all_keys or key not in all_keys.get(section, ()) or not entry:
         between = {each: ".NAME." if each in named else "." for each in all_keys}
         everything = [f"{each}{between[each]}{inner}" for each, keys in all_keys.items() for inner in keys]
-        homes = [full for full in everything if full.partition(".")[2] == name.split(".")[-1]]
+        last = name.split(".")[-1]
+        homes = [f"{each}.{last}" for each in _homes(last, case) if each not in named]
         nearest = homes or difflib.get_close_matches(name, everything, n=1)
         advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with all keys.'
         raise InputError(
@@ -55,10 +56,18 @@ def kind_of_key(name: str, case: Case | None) -> Quantity | Count | tuple[str, .
     )
 
 
-def full_key(name: str) -> str:
-    """The key of a name without section that one section alone has, such as damper_mass; any other name as it is."""
-    homes = [] if "." in name else [section for section, keys in Case.allowed_keys().items() if name in keys]
+def full_key(name: str, case: Case | None = None) -> str:
+    """The key of a name without section that one section alone has, of the ``case`` if it is known, such as
+    damper_mass; any other name as it is."""
+    homes = [] if "." in name else _homes(name, case)
     return f"{homes[0]}.{name}" if len(homes) == 1 and homes[0] not in Case.named_sections() else name
+
+
+def _homes(key: str, case: Case | None) -> list[str]:
+    """The sections that have a key: those of the case, or without any there, of all kinds of studies."""
+    homes = [section for section, keys in Case.allowed_keys().items() if key in keys]
+    own = [each for each in homes if case is not None and hasattr(case.sections.get(each), key)]
+    return own or homes
 
 
 def _constant_kind(name: str, case: Case | None) -> Quantity:

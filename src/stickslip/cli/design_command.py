@@ -71,8 +71,8 @@ def design(
         from stickslip.sweeps import design as designs
         from stickslip.sweeps.design_lock_up import lock_up_in_ranges
 
-        ranges = axes.split_options(over, "--over", '"preload.centrifugal_force=50 N:5 kN"')
-        loads = axes.split_options(worst_of or [], "--worst-of", "excitation.mode=single,same")
+        ranges = axes.split_options(over, "--over", '"preload.centrifugal_force=50 N:5 kN"', case)
+        loads = axes.split_options(worst_of or [], "--worst-of", "excitation.mode=single,same", case)
         limits = subject_to or []
         places = replace(places, varied=tuple(ranges), option="--over")
         with about_file(places):  # reported before a folder is created or a cluster is contacted

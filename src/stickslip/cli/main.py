@@ -45,6 +45,7 @@ from stickslip.core.progress import terminal_progress
 from stickslip.core.terminal import echo
 
 if TYPE_CHECKING:
+    from stickslip.case.case import Case
     from stickslip.study.run import StudyOutcome
 
 app = typer.Typer(
@@ -206,7 +207,7 @@ def run(
     with error_messages(debug, log_folder=out):
         case, places = load_study(path, quiet)
         case = case.replace({"analysis.search": True}) if search else case
-        case = case.replace(_ridge_keys(ridge)) if ridge is not None else case
+        case = case.replace(_ridge_keys(ridge, case)) if ridge is not None else case
         case = case.replace({"analysis.gradients": True}) if gradients else case
         case = case.replace({"analysis.traction_band": True}) if traction_band else case
         from stickslip.case.key_ranges import ridge_of_study
@@ -221,8 +222,8 @@ def run(
         _close(outcome, quiet)
 
 
-def _ridge_keys(option: str) -> dict[str, str]:
-    """The keys of [analysis] of ``KEY=FROM:TO``. Raises InputError for another form."""
+def _ridge_keys(option: str, case: Case) -> dict[str, str]:
+    """The keys of [analysis] of ``KEY=FROM:TO`` for a case. Raises InputError for another form."""
     key, equals, limits = (part.strip() for part in option.partition("="))
     start, colon, stop = (part.strip() for part in limits.partition(":"))
     if not (key and equals and start and colon and stop):
@@ -232,7 +233,7 @@ def _ridge_keys(option: str) -> dict[str, str]:
     from stickslip.case.key_kinds import full_key
 
     range_keys = {"analysis.over_from": start, "analysis.over_to": stop}
-    return {"analysis.kind": "ridge", "analysis.over": full_key(key), **range_keys}
+    return {"analysis.kind": "ridge", "analysis.over": full_key(key, case), **range_keys}
 
 
 @app.command()
@@ -263,7 +264,7 @@ def sweep(
 
         from stickslip.sweeps import axes, run
 
-        varied = axes.split_options(vary)
+        varied = axes.split_options(vary, case=case)
         axes.swept_keys(varied, case)  # a wrong key is reported before a folder is created or a cluster is contacted
         require_folder(out)
         with solving(replace(places, varied=tuple(varied)), scheduler, quiet) as (progress, executor):
@@ -313,7 +314,7 @@ def band(
         from stickslip.sweeps import axes, distributions
         from stickslip.sweeps import band as bands
 
-        given = axes.split_options(scatter or [], "--scatter", 'friction.coefficient="0.3 +- 0.1"')
+        given = axes.split_options(scatter or [], "--scatter", 'friction.coefficient="0.3 +- 0.1"', case)
         places = replace(places, varied=tuple(given), option="--scatter")
         chosen, limits = {**places.scattered, **given}, limit or []
         with about_file(places):  # reported before a folder is created or a cluster is contacted

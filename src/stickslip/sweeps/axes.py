@@ -25,18 +25,22 @@ Vary = Mapping[str, str | Sequence[Value]]
 
 
 def split_options(
-    options: Sequence[str], option: str = "--vary", example: str = "preload.centrifugal_force=100,300"
+    options: Sequence[str],
+    option: str = "--vary",
+    example: str = "preload.centrifugal_force=100,300",
+    case: Case | None = None,
 ) -> dict[str, str]:
     """Key -> values of texts ``section.key=values``. Raises InputError for another form or a key that comes twice.
 
-    The section may be omitted if no other one has this key. ``option`` and ``example`` are for messages.
+    The section may be omitted if no other one, of the ``case`` if it is given, has this key. ``option`` and ``example``
+    are for messages.
     """
     varied: dict[str, str] = {}
     for text in options:
         key, equals, values = (part.strip() for part in text.partition("="))
         if not (equals and key and values):
             raise InputError(f'{option} "{text}" must be section.key=values, for example {option} {example}.')
-        key = full_key(key)
+        key = full_key(key, case)
         if key in varied:
             raise InputError(f"{option} {key} is given twice. Give it once, with all its values.")
         varied[key] = values
