@@ -311,6 +311,7 @@ def band(
         case = case.replace({"analysis.traction_band": True}) if traction_band else case
         from dataclasses import replace
 
+        from stickslip.reporting.band_page import band_in_words
         from stickslip.sweeps import axes, distributions
         from stickslip.sweeps import band as bands
 
@@ -327,6 +328,9 @@ def band(
             result = bands.band(
                 case, chosen, executor, out, progress, samples=samples, limits=limits, workers=workers, threads=threads
             )
+        if not quiet:
+            for sentence in band_in_words(result):
+                echo(sentence)
         close_cases(result, quiet, "samples")
 
 

@@ -65,7 +65,7 @@ def band_page(statistics: BandStatistics, title: str, inputs: StudyText, provena
         "distributions": statistics.inputs,
         "byline": f"{when(provenance)} · {len(table.rows)} samples · {len(table.failed)} failed",
         "notices": list(_notices(statistics)),
-        "answer": list(_answer(statistics)),
+        "answer": list(band_in_words(statistics)),
         "tiles": list(_tiles(statistics)),
         "has_curves": statistics.curve_band is not None,
         "has_peaks": has_peaks,
@@ -123,8 +123,8 @@ def _notices(statistics: BandStatistics) -> Iterator[Notice]:
         yield Notice("warn", "Before you use these numbers", statistics.remarks)
 
 
-def _answer(statistics: BandStatistics) -> Iterator[str]:
-    """What the band says, in plain words."""
+def band_in_words(statistics: BandStatistics) -> Iterator[str]:
+    """What the band says, in plain words: percentiles, limits, and the input that matters most."""
     result = statistics.percentiles["peak_amplitude"]
     if result.count:
         low, middle, high = (_number(result.measure, value) for value in result.values)
