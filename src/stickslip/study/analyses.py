@@ -29,7 +29,7 @@ from stickslip.study.nonlinear_mode import with_mode
 from stickslip.study.ridge import unreported_ridge
 from stickslip.study.wear import wear_of_study, worn_faces
 
-# chosen: points of the curve of one of many cases, and with them its work, 2400 iterations. The default study takes 106
+# chosen: points of the curve of one of many cases, and with them its work, 2100 iterations. The default study takes 106
 # points and 340 iterations, with a light damper in gross slip 122 and 1112.
 MOST_POINTS = 300
 
