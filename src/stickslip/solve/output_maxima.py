@@ -27,10 +27,12 @@ from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.harmonic.curves import BalancePointT
 from stickslip.solve.harmonic.energy import CHUNK
-from stickslip.solve.harmonic.missed_peaks import HIGHER, VISIBLE
+from stickslip.solve.harmonic.missed_peaks import HIGHER, VISIBLE, MissedPeak
+from stickslip.solve.harmonic.overtones import overtone_places
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
 from stickslip.solve.path.corrector import SMALLEST_MOTION, Corrector
 from stickslip.solve.path.newton import Newton
+from stickslip.solve.path.problem import Plane
 from stickslip.solve.path.stepping import BranchPoint, ContinuationSettings, Effort, Revision
 from stickslip.solve.path.work import Work
 from stickslip.solve.setting_up import CurveBalances
@@ -59,13 +61,15 @@ class Curve(Protocol[BalancePointT]):
 class AddedMaxima:
     """The number of outputs and of new points, and the places in Hz of expected maxima without a solution near them.
 
-    ``highest`` are the numbers of the points where each output has its largest amplitude.
+    ``highest`` are the numbers of the points where each output has its largest amplitude, ``missed`` peaks at places
+    where a higher harmonic of the contact excites a mode (:mod:`stickslip.solve.harmonic.overtones`).
     """
 
     outputs: int
     points: int
     failed_hz: tuple[float, ...]
     highest: tuple[int, ...] = ()
+    missed: tuple[MissedPeak, ...] = ()
 
     def words(self) -> str:
         """One sentence."""
@@ -77,7 +81,21 @@ class AddedMaxima:
         )
 
     def warnings(self) -> tuple[str, ...]:
-        """A warning for places without a solution."""
+        """A warning for missed peaks, and one for places without a solution."""
+        return self._missed_warning() + self._failed_warning()
+
+    def _missed_warning(self) -> tuple[str, ...]:
+        if not self.missed:
+            return ()
+        worst = max(self.missed, key=lambda each: each.factor)
+        places = ", ".join(f"{each.frequency_hz:.3f}" for each in self.missed)
+        return (
+            f"The curve stepped over narrow peaks of an output near {places} Hz, where a harmonic of the contact "
+            f"excites a natural frequency: at {worst.frequency_hz:.3f} Hz the output has {worst.factor:.3g} times the "
+            "amplitude of the curve. Run this part of the range again as a range of its own.",
+        )
+
+    def _failed_warning(self) -> tuple[str, ...]:
         if not self.failed_hz:
             return ()
         places = ", ".join(f"{each:.3f}" for each in self.failed_hz)
@@ -212,6 +230,7 @@ class OutputMaxima(Generic[BalancePointT]):
         self._corrector = Corrector(newton, width, Effort(ContinuationSettings()))
         self._highest = np.zeros(len(outputs))
         self._failed_hz: list[float] = []
+        self._missed: list[MissedPeak] = []
 
     def add(self, curve: Curve[BalancePointT]) -> AddedMaxima:
         """Add points to a curve."""
@@ -222,19 +241,53 @@ class OutputMaxima(Generic[BalancePointT]):
         for each in known:
             self._corrector.measure(each.point)  # the largest motion of all is the scale
         points, breaks, amplitudes = curve.points[:1], [], [known[0].amplitude]
+        places = overtone_places(self._balances.closed, [each.point for each in known])
         for index, (before, after) in enumerate(itertools.pairwise(known)):
             if index in curve.breaks:
                 breaks.append(len(points) - 1)
             else:
+                self._look_at(before, after, places.get(index, ()))
                 new = self._within(before, after, DEPTH)
                 points += [each.branch_point for each in new]
                 amplitudes += [each.amplitude for each in new]
             points.append(after.branch_point)
             amplitudes.append(after.amplitude)
         highest = tuple(np.argmax(amplitudes, axis=0).tolist())
-        added = AddedMaxima(len(self._outputs), len(points) - len(known), tuple(self._failed_hz), highest)
+        added = AddedMaxima(
+            len(self._outputs), len(points) - len(known), tuple(self._failed_hz), highest, tuple(self._missed)
+        )
         curve.points, curve.breaks = points, breaks
         return added
+
+    def _look_at(
+        self, before: _Sampled[BalancePointT], after: _Sampled[BalancePointT], places: Sequence[float]
+    ) -> None:
+        """Solve between two points at ``places`` in rad/s, and note the one that is most above the cubic, if it is above
+        it by a missed peak."""
+        metric = self._corrector.measure(after.point)
+        cubic = cubic_between(before.branch_point, after.branch_point, metric)
+        if cubic is None or not places:
+            return
+        controls, peaks = self._controls(before, after, cubic), list[MissedPeak]()
+        start, end = (float(each.point.trial.omega) for each in (before, after))
+        for omega in places:
+            if self._work.limit_words:
+                break
+            self._begin(before.point)
+            place = (omega - start) / (end - start)
+            ahead = cubic.ahead(place)
+            guess = self._newton.problem.evaluate(before.point.unknowns + ahead.unknowns, np.array([omega]))
+            correction = self._corrector.correct(guess, Plane.fixed(guess.unknowns, omega))
+            if not correction.converged:
+                self._failed_hz.append(omega / (2.0 * math.pi))
+                continue
+            (found,) = self._sampled([BranchPoint(correction.point, 0)])
+            smooth = _amplitudes(np.tensordot(bernstein(np.array([place])), controls, axes=1))[0]
+            least = np.maximum(smooth, np.maximum(VISIBLE * self._highest, SMALLEST_MOTION))
+            factor = float((found.amplitude / least).max())
+            if factor > HIGHER:
+                peaks.append(MissedPeak(omega / (2.0 * math.pi), factor))
+        self._missed += sorted(peaks, key=lambda each: -each.factor)[:1]
 
     def _within(
         self, before: _Sampled[BalancePointT], after: _Sampled[BalancePointT], depth: int
@@ -260,18 +313,22 @@ class OutputMaxima(Generic[BalancePointT]):
         The amplitude is a norm, and a cubic remains in the convex hull of its control points: none of its points is
         higher than the highest one of them, so most steps need no more than these.
         """
+        controls = self._controls(before, after, cubic)
+        lowest = RISE * np.maximum(np.maximum(before.amplitude, after.amplitude), VISIBLE * self._highest)
+        if (_amplitudes(controls[1:3]) <= lowest).all():
+            return None
+        amplitude = _amplitudes(np.tensordot(bernstein(PLACES), controls, axes=1))
+        rise = (amplitude / np.maximum(lowest, SMALLEST_MOTION)).max(axis=1)
+        return float(PLACES[rise.argmax()]) if rise.max() > 1.0 else None
+
+    def _controls(self, before: _Sampled[BalancePointT], after: _Sampled[BalancePointT], cubic: _Cubic) -> FloatArray:
+        """(4, 2H+1, k) coefficients of the outputs at the control points of a cubic."""
         rows = max(len(before.coefficients), len(after.coefficients))
         first, last = (with_rows(each.coefficients, rows) for each in (before, after))
         vibration = self._vibration(np.stack([each.measured for each in cubic.controls]))
         start, end, chord = (with_rows(each, rows) for each in vibration)
         linear = (last - first - chord) / 3.0
-        inner = first + np.stack([start + linear, end + 2.0 * linear])
-        lowest = RISE * np.maximum(np.maximum(before.amplitude, after.amplitude), VISIBLE * self._highest)
-        if (_amplitudes(inner) <= lowest).all():
-            return None
-        amplitude = _amplitudes(np.tensordot(bernstein(PLACES), np.stack([first, *inner, last]), axes=1))
-        rise = (amplitude / np.maximum(lowest, SMALLEST_MOTION)).max(axis=1)
-        return float(PLACES[rise.argmax()]) if rise.max() > 1.0 else None
+        return np.stack([first, first + start + linear, first + end + 2.0 * linear, last])
 
     def _solved(
         self, before: BalancePointT, cubic: _Cubic, place: float, metric: Metric
