@@ -71,7 +71,7 @@ def test_the_page_says_what_the_optimum_costs_and_why_designs_failed() -> None:
     assert "none in the range below, 265 N above" in text
     assert "300 µm in the study, −43.3 %" in text
     assert "No result: No &lt;first&gt; point." in text
-    assert "A limit is violated by 50 %." in text
+    assert "A limit is violated: 300 µm instead of at most 200 µm (highest peak)." in text
     assert "The best design has centrifugal force 235 N: highest peak 170 µm in the worst of 2 load cases" in text
 
 
@@ -86,6 +86,12 @@ def test_one_start_confirms_nothing() -> None:
 def test_a_design_without_an_optimum_has_a_page() -> None:
     text = page_of(design_result(best=None))
     assert "<h2>No design satisfies the limits</h2>" in text
+    assert "<h2>The nearest design</h2>" in text
+    assert "<h2>Against each key</h2>" in text
+    assert "optimum" not in text[text.index("<h2>The nearest design</h2>") : text.index("<h2>The study</h2>")]
+    assert '<th scope="row">peak &lt; 0.01 mm</th><td>170 µm</td><td>17 times</td>' in text
+    assert "Nearest to the limits. A limit is violated: 170 µm instead of at most 10 µm (highest peak)." in text
+    assert "best so far" not in json.dumps(figures_of(design_result(best=None)))
     assert set(figures_of(design_result(best=None))) == {"path", "key-0"}
 
 
@@ -103,7 +109,7 @@ def test_cautions_on_the_ranges_are_at_the_top() -> None:
     assert "About the ranges" not in page_of(design_result())
     for result in (design_result(cautions=("Friction locks it.",)), design_result(None, ("Friction locks it.",))):
         text = page_of(result)
-        assert text.index("About the ranges") < text.index("Friction locks it.") < text.index("<h2>The optimum</h2>")
+        assert text.index("About the ranges") < text.index("Friction locks it.") < text.index('scope="row">preload')
 
 
 def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:

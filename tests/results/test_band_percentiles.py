@@ -86,11 +86,21 @@ def test_limits_are_si() -> None:
 @pytest.mark.parametrize(
     "text",
     ["peak < 1 mm", "peak_amplitude <= 1 mm", "peak_amplitude 1 mm", "peak_amplitude < 0.2", "peak_amplitude < 5 Hz",
-     "peak_amplitude < -1 mm", "peak_frequency > nan Hz", "stress < 1 mm", "strain < 1 MPa", ""],
+     "peak_amplitude < -1 mm", "peak_frequency > nan Hz", "stress < 1 mm", "strain < 1 MPa", "",
+     "stress < ", "peak_amplitude <", "peak_frequency >  "],
 )  # fmt: skip
 def test_unknown_limits_are_rejected(text: str) -> None:
     with rejects(InputError, "limits"):
         limit_of(text)
+
+
+def test_a_violation_has_the_digits_that_distinguish_value_and_limit() -> None:
+    limit = limit_of("stress < 1 MPa")
+    assert limit.violation(1e6) == ""
+    words = "instead of at most 1 MPa (largest von Mises stress at the peak)"
+    assert limit.violation(24.4e6) == f"24.4 MPa {words}"
+    assert limit.violation(1.000012e6) == f"1.00001 MPa {words}"
+    assert limit_of("peak_frequency > 440 Hz").violation(400.0).startswith("400 Hz instead of at least 440 Hz")
 
 
 def test_a_folded_curve_counts_with_its_highest_branch() -> None:

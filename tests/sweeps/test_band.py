@@ -168,6 +168,19 @@ def test_samples_have_checks_only_for_limits_of_slow_sweeps(study: Path, monkeyp
 
 
 @pytest.mark.long
+def test_samples_with_and_without_checks_resume_apart(study: Path, tmp_path: Path) -> None:
+    """Each kind uses its own results again, without a notice, whatever the other one did in between."""
+    plain, slow = [LIMIT], ["upward_peak_amplitude < 1 mm"]
+    reused = []
+    for limits in (plain, slow, plain, slow):
+        band = ss.band(study, SCATTER, out=tmp_path, samples=8, limits=limits, workers=1)
+        reused.append(band.reused)
+        assert band.notices == ()
+    assert reused == [0, 0, 8, 8]
+    assert len([*tmp_path.glob("cases/checked_*")]) == 8
+
+
+@pytest.mark.long
 def test_any_executor_gives_the_same_band(study: Path, linear: tuple[Band, Path]) -> None:
     with ThreadPoolExecutor(1) as executor:
         other = ss.band(study, SCATTER, executor, samples=8)

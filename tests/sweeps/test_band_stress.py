@@ -90,6 +90,11 @@ def test_samples_with_and_without_stress_resume_apart(linear: tuple[Band, Path])
     assert (plain.reused, plain.notices) == (0, ())
     assert "stress_pa" not in plain.table.columns
     assert not {"stress", "alternating_stress"} & {*plain.percentiles, *plain.influences}
+    slow = ["stress < 1 GPa", "upward_peak_amplitude < 1 mm"]
+    for reused in (0, 8):  # with checks too
+        checked = ss.band(linear_mesh_case(), kept, out=folder, samples=8, limits=slow, workers=1)
+        assert (checked.reused, checked.notices) == (reused, ())
+    assert len([*folder.glob("cases/stress_checked_*")]) == 8
     again = ss.band(linear_mesh_case(), kept, out=folder, samples=8, limits=["stress < 1 GPa"], workers=1)
     assert (again.reused, again.notices) == (8, ())
     assert again.table.column("stress_pa") == band.table.column("stress_pa")[:8]

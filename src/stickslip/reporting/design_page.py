@@ -26,6 +26,8 @@ from stickslip.results.design import (
     StartResult,
 )
 
+MANY_TIMES = 10.0  # chosen: from this ratio to a limit on, a multiple is easier to read than a percentage
+
 
 def write_design_page(
     path: str | PathLike[str], result: DesignResult, title: str, inputs: StudyText, provenance: Mapping[str, str]
@@ -54,6 +56,8 @@ def design_page(result: DesignResult, title: str, inputs: StudyText, provenance:
         "tiles": list(_tiles(result)),
         "has_optimum": has_optimum,
         "has_results": result.has_results,
+        "shown_design": "The optimum" if has_optimum else "The nearest design" if result.has_results else "The ranges",
+        "key_headings": _key_headings(result),
         "remarks": result.remarks,
         "keys": [_key_row(result, place) for place in range(len(result.keys))],
         "limits": [_limit_row(result, place) for place in range(len(result.limits))],
@@ -145,26 +149,35 @@ def _cost(key: DesignKey, along: Sharpness) -> str:
     return f"{low} below, {high} above"
 
 
+def _key_headings(result: DesignResult) -> list[str]:
+    if result.optimum is not None:
+        return ["Study", "Optimum", "Range", "5 % more at", "Shape"]
+    return ["Study", "Range"] if result.nearest is None else ["Study", "Nearest design", "Range"]
+
+
 def _key_row(result: DesignResult, place: int) -> list[str]:
-    key, best = result.keys[place], result.optimum
+    key, shown = result.keys[place], result.optimum or result.nearest
     study = f"{number(key.shown(key.start))} {key.unit}".rstrip()
     spacing = "by factors" if key.is_logarithmic else "by steps"
     ends = f"{number(key.shown(key.low))} to {number(key.shown(key.high))} {key.unit}".rstrip() + f", {spacing}"
-    if best is None:
-        return [key.name, study, "–", ends, "–", "–"]
+    if shown is None:
+        return [key.name, study, ends]
+    row = [key.name, study, f"{number(key.shown(shown.values[place]))} {key.unit}".rstrip(), ends]
+    if result.optimum is None:
+        return row
     along = result.sharpness[place]
-    optimum = f"{number(key.shown(best.values[place]))} {key.unit}".rstrip()
-    return [key.name, study, optimum, ends, _cost(key, along), along.shape]
+    return [*row, _cost(key, along), along.shape]
 
 
 def _limit_row(result: DesignResult, place: int) -> list[str]:
     limit: Limit = result.limits[place]
-    best = result.optimum
-    if best is None:
+    shown = result.optimum or result.nearest
+    if shown is None:
         return [limit.text, "–", "–"]
-    value = best.required[place]
-    unit = SHOWN[limit.measure.unit][1]
-    return [limit.text, f"{_value(limit.measure, value)} {unit}", f"{number(100.0 * value / limit.value, 3)} %"]
+    value = shown.required[place]
+    ratio = value / limit.value
+    of_limit = f"{number(100.0 * ratio, 3)} %" if ratio < MANY_TIMES else f"{number(ratio, 3)} times"
+    return [limit.text, _with_unit(limit.measure, value), of_limit]
 
 
 def _load_cases(result: DesignResult) -> Iterator[tuple[str, DesignCase]]:
@@ -184,16 +197,16 @@ def _load_row(words: str, case: DesignCase) -> list[str]:
 
 def _start_row(result: DesignResult, place: int, start: StartResult) -> list[str]:
     first, last = result.evaluations[start.first], result.evaluations[start.best]
-    agreement = "same value, other design" if start.same_value and not start.same_place else ""
-    if start.same_place:
-        agreement = "same optimum"
+    agreement = "another optimum" if last.is_allowed else "–"
+    if start.same_value:
+        agreement = "same optimum" if start.same_place else "same value, other design"
     return [
         str(place + 1),
         _words(result, first),
         _words(result, last),
         _with_unit(result.measure, first.objective),
         _with_unit(result.measure, last.objective) + ("" if last.is_allowed else " (limit not satisfied)"),
-        agreement or "another optimum",
+        agreement,
         start.message,
     ]
 
@@ -216,7 +229,9 @@ def _design_row(result: DesignResult, each: Evaluation) -> dict[str, Any]:
     if each.failure:
         remark = f"No result: {each.failure}"
     elif not each.is_allowed:
-        remark = f"A limit is violated by {number(100.0 * each.excess, 3)} %."
+        remark = f"A limit is violated: {result.violations(each)}."
+    if each is result.nearest:
+        remark = f"Nearest to the limits. {remark}"
     if each is result.optimum:
         remark = "optimum"
     cells = [str(each.number), each.stage, *inputs, _value(result.measure, each.objective), each.gradient]

@@ -87,11 +87,13 @@ def path(result: DesignResult) -> Figure:
         if np.isfinite(lowest):
             numbers.append(each.number)
             best.append(factor * lowest)
-    line = line_trace("best so far", numbers, best, INK, "solid", 1.6)
-    line["line"]["shape"] = "hv"
-    hover = PlotMarkup("best so far: %{{y:.5g}} {}<extra></extra>").format(unit)
+    if best:
+        line = line_trace("best so far", numbers, best, INK, "solid", 1.6)
+        line["line"]["shape"] = "hv"
+        hover = PlotMarkup("best so far: %{{y:.5g}} {}<extra></extra>").format(unit)
+        traces.insert(0, line | {"hovertemplate": hover})
     return figure_of(
-        [line | {"hovertemplate": hover}, *traces],
+        traces,
         400,
         xaxis=axis_look("Number of the design"),
         yaxis=_objective_axis(result),

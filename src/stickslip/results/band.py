@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from stickslip.core.errors import InputError
+from stickslip.core.shown_numbers import SHOWN, number, small
 from stickslip.core.units import Quantity
 from stickslip.core.validation import FloatArray
 from stickslip.results.influence import CONFIDENCE
@@ -119,13 +120,24 @@ class Limit:
     is_upper: bool
     value: float
 
+    def violation(self, value: float) -> str:
+        """How a value in SI misses the limit, in shown units with as many digits as distinguish the two; "" if it
+        satisfies it."""
+        if not (value > self.value if self.is_upper else value < self.value):
+            return ""
+        factor, unit = SHOWN[self.measure.unit]
+        both = ((number(factor * value, digits), number(factor * self.value, digits)) for digits in range(4, 17))
+        found, allowed = next((each for each in both if each[0] != each[1]), (repr(value), repr(self.value)))
+        bound = "most" if self.is_upper else "least"
+        return f"{found} {unit} instead of at {bound} {allowed} {unit} ({small(self.measure.words)})"
+
 
 _QUANTITIES = {
     "m": Quantity("length", example='"0.2 mm"', above=0.0),
-    "Hz": Quantity("frequency", above=0.0),
+    "Hz": Quantity("frequency", example='"440 Hz"', above=0.0),
     "Pa": Quantity("pressure", example='"300 MPa"', above=0.0),
 }
-_LIMIT = re.compile(r"\s*([\w.]+)\s*([<>])(?!=)\s*(.+?)\s*")
+_LIMIT = re.compile(r"\s*([\w.]+)\s*([<>])(?!=)\s*(.*?)\s*")
 
 
 def limit_of(
@@ -146,8 +158,14 @@ def limit_of(
             f'the limit "{text}" is of {match[1]}, which is not a measure of a {of}. Measures are {names}.',
             arguments=[argument],
         )
+    quantity = _QUANTITIES[measure.unit]
+    if not match[3]:
+        whole = f"{measure.name} {match[2]} {quantity.example.strip(chr(34))}"
+        raise InputError(
+            f'the limit "{text}" has no value after {match[2]}. Write for example "{whole}".', arguments=[argument]
+        )
     try:
-        value = _QUANTITIES[measure.unit].parse(match[3])
+        value = quantity.parse(match[3])
     except InputError as error:
         raise InputError(f'the limit "{text}": {match[3]} {error}', arguments=[argument]) from error
     return Limit(text, measure, match[2] == "<", value)
@@ -227,9 +245,9 @@ def curve_band(curves: Sequence[SweepCurve]) -> CurveBand | None:
     heights = np.stack([highest_branch(curve, grid) for curve in curves])
     count = np.isfinite(heights).sum(axis=0)
     amplitude = np.full((len(PERCENTILES), grid.size), np.nan)
-    for number in np.unique(count[count > 0]):
-        columns = count == number
-        present = np.sort(heights[:, columns], axis=0)[:number]  # NaN is last
+    for heights_here in np.unique(count[count > 0]):
+        columns = count == heights_here
+        present = np.sort(heights[:, columns], axis=0)[:heights_here]  # NaN is last
         amplitude[:, columns] = np.percentile(present, PERCENTILES, axis=0, method="hazen")
     return CurveBand(grid, amplitude, count)
 

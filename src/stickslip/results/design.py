@@ -256,6 +256,17 @@ class DesignResult:
         """The best design, or None."""
         return None if self.best is None else self.evaluations[self.best]
 
+    @property
+    def nearest(self) -> Evaluation | None:
+        """The design with the smallest violation, where no design satisfies the limits; else None."""
+        has_one = self.best is None and self.has_results
+        return min(self.evaluations, key=lambda each: each.rank) if has_one else None
+
+    def violations(self, design: Evaluation) -> str:
+        """How a design misses limits, in words; "" if it satisfies all."""
+        words = (limit.violation(value) for limit, value in zip(self.limits, design.required, strict=True))
+        return " and ".join(filter(None, words))
+
     def __repr__(self) -> str:
         best = self.optimum
         if best is None:

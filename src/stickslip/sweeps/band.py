@@ -119,7 +119,9 @@ def band(
         files = TABLE_FILE, DATASET_FILE, PAGE_FILE
         return solve_planned(different, out, files, executor, progress, workers=workers, threads=threads)
 
-    if not any(limit.measure.name.startswith(SLOW_SWEEPS) for limit in required):
+    if any(limit.measure.name.startswith(SLOW_SWEEPS) for limit in required):
+        planned = tuple(replace(each, name=f"checked_{each.name}") for each in planned)
+    else:
         first = _without_checks(_central(samples_case, chosen))
         harmonics = None if case.solver.accuracy is None else _harmonics(lambda: solved([first], workers=1), first)
         planned = tuple(_without_checks(each, harmonics) for each in planned)

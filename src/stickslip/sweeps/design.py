@@ -196,11 +196,11 @@ def _remarks(result: DesignResult) -> Iterator[str]:
             "and give the command again."
         )
         return
-    if result.best is None:
-        nearest = min((each for each in result.evaluations if not each.failure), key=lambda each: each.rank)
+    nearest = result.nearest
+    if nearest is not None:
         values = ", ".join(f"{key.name} = {key.label(at)}" for key, at in zip(result.keys, nearest.values, strict=True))
         yield (
-            f"No design of {count} satisfies all limits. The nearest violates one by {100.0 * nearest.excess:.3g} %: "
+            f"No design of {count} satisfies all limits. The nearest design has {result.violations(nearest)}, with "
             f"{values}."
         )
     else:
