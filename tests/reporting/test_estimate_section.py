@@ -57,7 +57,9 @@ def test_it_is_a_dashed_line_beside_the_nonlinear_mode() -> None:
 def test_the_section_of_the_mode_has_its_words() -> None:
     text = page(with_estimate(with_mode(0.02)), STUDY)
     section = text[text.index("<h2>Nonlinear mode</h2>") :].partition("</section>")[0]
-    assert "The message of the estimate. A warning of the estimate." in section
+    assert "rule: The message of the estimate.</p>" in section
+    assert "Warning on the estimate:" in section
+    assert "<li>A warning of the estimate.</li>" in section
 
 
 @pytest.mark.slow
@@ -65,9 +67,12 @@ def test_alone_it_has_a_section() -> None:
     response = with_estimate(synthetic_response(columns=4, rows=3, n_points=20))
     text = page(response, STUDY)
     section = text[text.index("<h2>Quasi-static estimate of a mode</h2>") :].partition("</section>")[0]
-    assert "The message of the estimate. A warning of the estimate. From 500.00 Hz to 480.00 Hz" in section
+    assert "The message of the estimate. From 500.00 Hz to 480.00 Hz" in section
+    assert "<li>A warning of the estimate.</li>" in section
     assert "damping ratio is at most 2 %, at 480.00 Hz" in section
     for name in ("estimate-frequency", "estimate-damping"):
         assert f'id="{name}"' in section
     assert "<h2>Nonlinear mode</h2>" not in text
-    assert "by a quasi-static estimate, mode 2 goes from" in " ".join(further_answers(View.of(response, STUDY)))
+    (answer,) = further_answers(View.of(response, STUDY))
+    assert "by a quasi-static estimate, mode 2 goes from 500.00 to 480.00 Hz" in answer
+    assert answer.endswith("; section “Quasi-static estimate of a mode” has 1 warning on it.")

@@ -69,6 +69,45 @@ def view_with(**parts: Any) -> Any:
     return SimpleNamespace(response=SimpleNamespace(**(dict.fromkeys(names) | parts)))
 
 
+def answer_of_mode(damping: list[float], **changes: Any) -> str:
+    output = np.array([1e-6, 2e-6, 4e-6])
+    values: dict[str, Any] = {"converged": True, "warnings": (), "frequency_hz": np.array([500.0, 490.0, 480.0])}
+    mode = SimpleNamespace(
+        mode=3, damping_ratio=np.array(damping), harmonic_amplitude=lambda row, harmonic: output, **(values | changes)
+    )
+    view = view_with(nonlinear_mode=mode)
+    view.output, view.study = np.ones(1), SimpleNamespace(response_output="tip")
+    (words,) = further_answers(view)
+    return words
+
+
+def test_a_mode_has_the_largest_damping_ratio_also_between_its_ends() -> None:
+    start = "From 1 to 4 µm of tip, mode 3 goes from 500.00 to 480.00 Hz, and its damping ratio goes from 0.1 to "
+    assert answer_of_mode([0.001, 0.0329, 0.0116]) == f"{start}1.16 %, with a maximum of 3.29 % at 2 µm."
+    assert answer_of_mode([0.001, 0.0116, 0.0329]) == f"{start}3.29 %."
+    assert answer_of_mode([0.001, 0.0329001, 0.0329]) == f"{start}3.29 %."  # the same number
+
+
+def test_a_mode_that_does_not_change_remains_constant() -> None:
+    constant = answer_of_mode([0.001] * 3, frequency_hz=np.array([462.791, 462.79, 462.789]))
+    assert constant.endswith("mode 3 remains constant at 462.79 Hz, and its damping ratio remains constant at 0.1 %.")
+    assert "goes from 462.79 to 462.79 Hz" in answer_of_mode([0.001] * 3, frequency_hz=np.array([462.79, 460, 462.79]))
+
+
+@pytest.mark.parametrize(
+    ("converged", "warnings", "clause"),
+    [
+        (True, ("A.", "B."), "; section “Nonlinear mode” has 2 warnings on it."),
+        (False, (), "; it is not complete."),
+        (False, ("A.",), "; it is not complete, and section “Nonlinear mode” has 1 warning on it."),
+    ],
+)
+def test_what_limits_trust_in_a_mode_is_beside_its_answer(
+    converged: bool, warnings: tuple[str, ...], clause: str
+) -> None:
+    assert answer_of_mode([0.001, 0.002, 0.003], converged=converged, warnings=warnings).endswith(f"0.3 %{clause}")
+
+
 def test_wear_says_what_it_does_to_the_peak() -> None:
     cycles, depth = np.array([0.0, 3e6]), np.array([[0.0, 0.0], [2e-6, 6e-6]])
     wear = SimpleNamespace(cycles=cycles, depth=depth, amplitude=np.array([1e-4, 1.2e-4]))

@@ -12,6 +12,7 @@ from stickslip.reporting.further_answers import further_answers
 from stickslip.reporting.mode_section import damping_of_mode, frequency_of_mode, states_of_mode
 from stickslip.reporting.page import page
 from stickslip.reporting.view import View
+from stickslip.results.nonlinear_mode import POOR_REDUCTION
 from stickslip.results.response import ForcedResponse
 from synthetic import synthetic_study
 from synthetic_mode import with_mode
@@ -30,7 +31,9 @@ def test_the_page_says_where_peaks_are_on_the_mode() -> None:
     assert "Mode 2 of the structure with stuck contacts" in words
     assert "Its damping ratio is at most 2 %" in words
     assert "below 3 % everywhere" in words
-    assert "A warning of the mode." in words
+    assert "near this mode are on these curves.</p>" in words
+    assert "Warning on the mode:" in words
+    assert "<li>A warning of the mode.</li>" in words
     for name in ("mode-frequency", "mode-damping", "mode-states"):
         assert f'id="{name}"' in words
     assert "below 3 % everywhere" not in section(with_mode(0.05))
@@ -44,6 +47,15 @@ def test_modal_amplitudes_have_powers_of_ten_and_a_root() -> None:
     words = section(replace(response, nonlinear_mode=mode)).replace("\N{NO-BREAK SPACE}", " ")
     assert "From 3.18 × 10⁻⁵ m √kg on" in words
     assert "kg^0.5" not in words
+
+
+@pytest.mark.slow
+def test_a_mode_of_a_poor_reduction_promises_no_peaks_of_the_real_structure() -> None:
+    response = with_mode(0.02)
+    assert response.nonlinear_mode is not None
+    mode = replace(response.nonlinear_mode, warnings=(f"{POOR_REDUCTION} 2 poorly: it has 500 Hz.",))
+    assert "peaks of forced responses of the reduced structure near" in section(replace(response, nonlinear_mode=mode))
+    assert "of the reduced structure" not in section(response)
 
 
 @pytest.mark.slow

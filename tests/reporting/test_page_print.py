@@ -15,6 +15,7 @@ from synthetic import synthetic_response, synthetic_study
 pytestmark = pytest.mark.slow
 
 MARGIN_PT = 14.0 / 25.4 * 72.0  # of @page in page.css
+WIDTH_PX = 703  # of A4 without the margins, 702.99 px, as Chromium rounds it
 # The heading of each section that begins with a plot, and the height of the plot in px.
 _PLOTS = """() => Array.from(document.querySelectorAll('main section'), section => [
   section.querySelector('h2, h3').textContent, section.querySelector('.js-plotly-plot:not(#structure-plot)'),
@@ -66,3 +67,16 @@ def test_the_legend_between_forces_and_displacements_covers_no_curve(tmp_path: P
         shown = page.evaluate(_BETWEEN)
     assert printed == sorted(printed)
     assert shown == sorted(shown)
+
+
+@pytest.mark.long
+def test_the_last_border_is_not_cut_by_the_edge_of_the_paper(tmp_path: Path) -> None:
+    report = tmp_path / "report.html"
+    write_page(report, synthetic_response(), synthetic_study())
+    with opened_browser() as browser, opened_page(browser, report) as page:
+        page.set_viewport_size({"width": WIDTH_PX, "height": 900})
+        page.emulate_media(media="print")
+        ends = page.evaluate(
+            "() => Array.from(document.querySelectorAll('.panel'), each => each.getBoundingClientRect().right)"
+        )
+    assert WIDTH_PX - 2.0 < max(ends) <= WIDTH_PX - 1.0

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 from stickslip.core.plain_figure import GREEN
-from stickslip.core.shown_numbers import MICRO, number, typeset
+from stickslip.core.shown_numbers import MICRO, number
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, log_axis
 from stickslip.reporting.section import Section
@@ -26,13 +25,12 @@ def estimate_line(view: View, values: FloatArray, unit: str) -> Any:
     return line_trace(ESTIMATE, estimate.modal_amplitude, values, GREEN, "dash", hovertemplate=hover, text=texts)
 
 
-def words_of_estimate(estimate: QuasiStaticMode) -> Iterator[str]:
-    """What the estimate is, how far it differs from the nonlinear mode, and where it must not be used."""
-    yield (
+def words_of_estimate(estimate: QuasiStaticMode) -> str:
+    """What the estimate is, and how far it differs from the nonlinear mode."""
+    return (
         f"Quasi-static estimate, from a static load in the shape of stuck mode {estimate.mode} and Masing's rule: "
         f"{estimate.message}"
     )
-    yield from estimate.warnings
 
 
 def _estimate_of(view: View) -> QuasiStaticMode:
@@ -66,19 +64,19 @@ def _words(view: View) -> str:
         f"{number(100.0 * float(estimate.damping_ratio[top]))} %, at {estimate.frequency_hz[top]:.2f} Hz. The "
         "nonlinear mode, with the inertia of all modes, was not computed."
     )
-    return typeset(" ".join([*words_of_estimate(estimate), ends]))
+    return f"{words_of_estimate(estimate)} {ends}"
 
 
 ESTIMATE_ALONE = Section(
     "Quasi-static estimate of a mode",
     """\
-<p class="note">{{ words }}</p>
+{{ parts.with_warnings(words, "estimate", warnings) }}
   <div class="two">
     {{ parts.figure("estimate-frequency", "Frequency", "Estimated frequency of the mode against modal amplitude") }}
     {{ parts.figure("estimate-damping", "Damping ratio", "Estimated damping ratio against modal amplitude") }}
   </div>
 """,
-    lambda view: {"words": _words(view)},
+    lambda view: {"words": _words(view), "warnings": _estimate_of(view).warnings},
     _figures,
     applies=lambda view: view.response.quasi_static_mode is not None and view.response.nonlinear_mode is None,
 )

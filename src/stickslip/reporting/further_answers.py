@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+import numpy as np
+
 from stickslip.core.shown_numbers import MICRO, length, number, raised
 from stickslip.core.validation import FloatArray
+from stickslip.reporting.estimate_section import ESTIMATE_ALONE
+from stickslip.reporting.mode_section import NONLINEAR_MODE
 from stickslip.reporting.view import View
 from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.peak_ridge import PeakRidge
@@ -73,19 +77,41 @@ def _beside(ridge: PeakRidge, best: float, lowest: float, named: Callable[[float
 def _mode(view: View) -> Iterator[str]:
     mode, estimate = view.response.nonlinear_mode, view.response.quasi_static_mode
     if mode is not None:
-        yield _along_mode(view, mode, mode.harmonic_amplitude(view.output, 1), "mode")
+        along = _along_mode(view, mode, mode.harmonic_amplitude(view.output, 1), "mode")
+        yield f"{along}{_doubts(mode, NONLINEAR_MODE.heading)}."
     elif estimate is not None:
-        yield _along_mode(view, estimate, estimate.amplitude(view.output), "by a quasi-static estimate, mode")
+        along = _along_mode(view, estimate, estimate.amplitude(view.output), "by a quasi-static estimate, mode")
+        yield f"{along}{_doubts(estimate, ESTIMATE_ALONE.heading)}."
 
 
 def _along_mode(view: View, mode: NonlinearMode | QuasiStaticMode, output: FloatArray, name: str) -> str:
-    """Frequency and damping ratio at both ends of a mode whose amplitudes of the ``output`` are in m."""
+    """Frequency and damping ratio at both ends of a mode whose amplitudes of the ``output`` are in m, and a maximum of
+    the damping ratio between them."""
     low, high = (number(MICRO * float(output[at]), 3) for at in (0, -1))
-    least, most = (number(100.0 * float(mode.damping_ratio[at]), 3) for at in (0, -1))
+    percent = [number(100.0 * float(ratio), 3) for ratio in mode.damping_ratio]
+    top = int(np.argmax(mode.damping_ratio))
+    inside = percent[top] not in (percent[0], percent[-1])
+    most = f", with a maximum of {percent[top]} % at {number(MICRO * float(output[top]), 3)} µm" if inside else ""
     return (
-        f"From {low} to {high} µm of {view.study.response_output}, {name} {mode.mode} goes from "
-        f"{mode.frequency_hz[0]:.2f} to {mode.frequency_hz[-1]:.2f} Hz, and its damping ratio from {least} to {most} %."
+        f"From {low} to {high} µm of {view.study.response_output}, {name} {mode.mode} "
+        f"{_course([f'{hertz:.2f}' for hertz in mode.frequency_hz], 'Hz')}, and its damping ratio "
+        f"{_course(percent, '%')}{most}"
     )
+
+
+def _course(shown: list[str], unit: str) -> str:
+    """What values along a mode do, as the sentence shows them."""
+    if len(set(shown)) == 1:
+        return f"remains constant at {shown[0]} {unit}"
+    return f"goes from {shown[0]} to {shown[-1]} {unit}"
+
+
+def _doubts(mode: NonlinearMode | QuasiStaticMode, heading: str) -> str:
+    """A clause if a mode, shown in the section with this ``heading``, is not complete or has warnings."""
+    clauses = [] if mode.converged else ["it is not complete"]
+    if count := len(mode.warnings):
+        clauses.append(f"section “{heading}” has {count} warning{'' if count == 1 else 's'} on it")
+    return f"; {', and '.join(clauses)}" if clauses else ""
 
 
 def _wear(view: View) -> Iterator[str]:

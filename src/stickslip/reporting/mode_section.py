@@ -122,21 +122,27 @@ def _words(view: View) -> Iterator[str]:
         if not _near(mode, hertz):
             yield f"Far from this range, and not in the figure: {name}, {hertz:.2f} Hz."
     if mode.passes_peaks.all():
+        structure = " of the reduced structure" if mode.reduction_is_poor else ""
         yield (
-            f"The damping ratio is below {100 * LARGEST_RATIO_OF_PEAKS:.0f} % everywhere: peaks of forced responses "
-            "near this mode are on these curves."
+            f"The damping ratio is below {100 * LARGEST_RATIO_OF_PEAKS:.0f} % everywhere: peaks of forced responses"
+            f"{structure} near this mode are on these curves."
         )
     if not mode.converged:
         yield mode.message
-    yield from mode.warnings
-    if view.response.quasi_static_mode is not None:
-        yield from words_of_estimate(view.response.quasi_static_mode)
+
+
+def _remarks(view: View) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+    """A paragraph, what it is about, and the warnings on that: of the mode, and of the estimate beside it."""
+    mode, estimate = _mode_of(view), view.response.quasi_static_mode
+    yield " ".join(_words(view)), "mode", mode.warnings
+    if estimate is not None:
+        yield words_of_estimate(estimate), "estimate", estimate.warnings
 
 
 NONLINEAR_MODE = Section(
     "Nonlinear mode",
     """\
-<p class="note">{{ words }}</p>
+{% for words, about, warnings in remarks %}{{ parts.with_warnings(words, about, warnings) }}{% endfor %}
   <div class="two">
     {{ parts.figure("mode-frequency", "Frequency", "Frequency of the mode against modal amplitude") }}
     {{ parts.figure("mode-damping", "Damping ratio", "Damping ratio of the mode against modal amplitude") }}
@@ -155,7 +161,7 @@ NONLINEAR_MODE = Section(
 {% endif %}
 """,
     lambda view: {
-        "words": typeset(" ".join(_words(view))),
+        "remarks": list(_remarks(view)),
         "shape_words": typeset(shape_words(_mode_of(view))),
         "shapes": shape_pictures(view),
     },

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 # peak of a linear oscillator is 0.1 % away from its natural frequency, and the contact changes within the width of the
 # peak.
 LARGEST_RATIO_OF_PEAKS = 0.03
+# Begins the warning of a mode whose frequency or shape differs from that of the full model.
+POOR_REDUCTION = "The reduction represents mode"
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,6 +141,11 @@ class NonlinearMode(PeriodicMotions):
     def passes_peaks(self) -> NDArray[np.bool_]:
         """(n_points,) whether peaks of forced responses are on the mode: the damping ratio is at most 3 %."""
         return np.asarray(self.damping_ratio <= LARGEST_RATIO_OF_PEAKS)
+
+    @property
+    def reduction_is_poor(self) -> bool:
+        """Whether a warning says that the reduced structure does not have this mode as the full model has it."""
+        return any(each.startswith(POOR_REDUCTION) for each in self.warnings)
 
     def tables(self, name: str) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""

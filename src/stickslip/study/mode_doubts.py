@@ -9,7 +9,7 @@ from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError, InputError, SingularMatrixError
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import Model
-from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.results.nonlinear_mode import POOR_REDUCTION, NonlinearMode
 from stickslip.solve.harmonic.mode_shapes import LEAST_MAC, sliding_stiffness
 from stickslip.structure.full_mode import NEAREST, closest_full_mode
 from stickslip.study.mode import FirstMotion, linear_mode
@@ -55,7 +55,7 @@ def reduction_doubts(case: Case, model: Model) -> tuple[str, ...]:
     if abs(change) <= DOUBTFUL_FREQUENCY and closest.mac >= LEAST_MAC:
         return ()
     return (
-        f"The reduction represents mode {analysis.mode} poorly: {has} (usual: within {100 * DOUBTFUL_FREQUENCY:g} % "
+        f"{POOR_REDUCTION} {analysis.mode} poorly: {has} (usual: within {100 * DOUBTFUL_FREQUENCY:g} % "
         f"and {LEAST_MAC:g}). Frequency, damping ratio and shape of the nonlinear mode have errors of this size. "
         f"{advice}",
     )
