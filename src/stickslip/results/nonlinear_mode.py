@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
@@ -69,6 +69,7 @@ class NonlinearMode(PeriodicMotions):
     """
 
     DATASET_TITLE: ClassVar[str] = "Nonlinear mode of a structure with rough, dry-friction joints"
+    STUDY_GROUP: ClassVar[str] = "nonlinear_mode"
 
     modal_amplitude: FloatArray = field(
         metadata=stored(Numbers(CURVE, "m kg0.5", "modal amplitude: mass norm of the first harmonic"))
@@ -140,13 +141,19 @@ class NonlinearMode(PeriodicMotions):
         """(n_points,) whether peaks of forced responses are on the mode: the damping ratio is at most 3 %."""
         return np.asarray(self.damping_ratio <= LARGEST_RATIO_OF_PEAKS)
 
-    def tables(self, name: str) -> Iterator[Table]:
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""
         columns = (
             column_of("modal amplitude", "m kg^0.5", self.modal_amplitude),
             column_of("frequency", "Hz", self.frequency_hz),
             column_of("damping ratio", "1", self.damping_ratio),
-            column_of("dissipated energy", "J", self.dissipated_energy.sum(axis=1)),
+            *(
+                column_of(f"first-harmonic amplitude of {output}", "m", self.harmonic_amplitude(row, 1))
+                for output, row in outputs.items()
+            ),
+            column_of("friction energy of all pairs", "J", self.dissipated_energy.sum(axis=1)),
+            column_of("viscous energy", "J", self.viscous_energy),
+            column_of("supplied energy", "J", self.input_energy),
             column_of("MAC with the closest stuck mode", "1", self.stuck_mac.max(axis=1)),
             column_of("MAC with the closest sliding mode", "1", self.sliding_mac.max(axis=1)),
             *(
