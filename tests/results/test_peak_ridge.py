@@ -195,9 +195,9 @@ def test_an_error_is_not_below_that_of_the_search_of_a_peak() -> None:
 
 
 def test_the_table_has_harmonics_and_errors_if_they_are_known() -> None:
-    (plain,) = FALLING.tables("ridge")
+    (plain,) = FALLING.tables("ridge", {})
     known = replace(FALLING, estimated_error=np.full(15, 0.02), point_harmonics=np.full(15, 5))
-    (table,) = known.tables("ridge")
+    (table,) = known.tables("ridge", {})
     added = [each for each in table.columns if each.name not in {own.name for own in plain.columns}]
     assert [(each.name, each.values[0]) for each in added] == [("harmonics", 5), ("estimated error", 0.02)]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -14,6 +14,7 @@ import pytest
 from ridges import ridge_of
 from sentences import rejects
 from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
 from stickslip.results.measures import summary
 from stickslip.results.pair_measures import pair_measures
 from stickslip.results.peak_gradients import PeakGradients
@@ -25,6 +26,7 @@ from stickslip.results.tables import study_tables
 from stickslip.results.wear import Wear
 from stickslip.study.export import export_tables
 from synthetic import synthetic_response, synthetic_study
+from synthetic_mode import with_mode
 
 CORNER = StressExtreme("alternating stress", 31.9e6, "left blade", (0.1, 0.0, -0.2), Region.ORDINARY)
 STRESS = StressSummary((CORNER,), (CORNER,), (), "No check.", "prescribed", 450.0, 300.0, 2e-4, 0.02)
@@ -175,7 +177,7 @@ def test_wrong_requests_are_rejected_before_anything_is_written(folder: Path, tm
 class Counted:
     """A part of a response, as another analysis would add it."""
 
-    def tables(self, name: str) -> Iterator[Table]:
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
         yield Table(name, "counts", (column_of("count", "", [1, 2]),))
 
     def closing_words(self, name: str) -> Iterator[str]:
@@ -189,3 +191,21 @@ def test_the_tables_of_a_part_come_from_the_part() -> None:
     assert list(with_part.parts) == ["wear"]
     extra = [table for table in study_tables(with_part, synthetic_study()) if table.name == "wear"]
     assert [table.columns[0].values for table in extra] == [(1, 2)]
+
+
+def test_the_table_of_a_mode_has_the_amplitudes_of_the_responses_and_all_energies() -> None:
+    response, study = with_mode(0.01), synthetic_study(columns=4, rows=3)
+    mode = response.nonlinear_mode
+    assert mode is not None
+    (table,) = (each for each in study_tables(response, study) if each.name == "nonlinear_mode")
+    for name, row in study.outputs.items():
+        amplitude = column(table, f"first-harmonic amplitude of {name}")
+        assert amplitude.unit == "m"
+        coefficients = mode.coefficients(row)
+        np.testing.assert_allclose(np.array(amplitude.values), np.hypot(coefficients[:, 1], coefficients[:, 2]))
+    for name, energy in (
+        ("friction energy of all pairs", mode.dissipated_energy.sum(axis=1)),
+        ("viscous energy", mode.viscous_energy),
+        ("supplied energy", mode.input_energy),
+    ):
+        np.testing.assert_array_equal(column(table, name).values, energy)

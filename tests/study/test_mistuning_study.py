@@ -84,7 +84,7 @@ def test_results_page_and_tables(random_patterns: Solution, tmp_path: Path) -> N
     text = page(random_patterns.response, record)
     for words in ("Amplification factor", "Whitehead's limit", *result.words()):
         assert words.replace("'", "&#39;") in text or words in text
-    tables = {each.name: each for each in result.tables("mistuning")}
+    tables = {each.name: each for each in result.tables("mistuning", {})}
     assert len(tables["mistuning"].columns[0].values) == 120
     assert tables["mistuned_blades"].columns[2].values == tuple(result.limits["contacts stuck"][result.shown])
     measures = summary(random_patterns.response, record.outputs[record.response_output])
@@ -136,7 +136,7 @@ def test_the_disk_with_friction_and_its_column_in_a_sweep(tmp_path: Path) -> Non
         text = page(saved.response, saved.study)
         assert "blade that moves most" in text
         assert "without an estimate of the error" in text.split("<section")[0]  # among the warnings on top
-        assert [each.name for each in result.tables("mistuning")][-1] == "mistuned_curve"
+        assert [each.name for each in result.tables("mistuning", {})][-1] == "mistuned_curve"
     again = sweep(Case.from_mapping(content), {"mistuning.seed": [3, 4]}, out=tmp_path, workers=1)
     assert again.reused == 2
 

@@ -83,6 +83,8 @@ def test_the_estimate_alone_needs_no_nonlinear_mode(tmp_path: Path, monkeypatch:
     estimate = saved.response.quasi_static_mode
     assert estimate is not None
     assert estimate.converged
+    assert QuasiStaticMode.load(tmp_path / "results.nc") == estimate
+    assert estimate.friction_energy.min() == 0.0
     assert estimate.message in outcome.message
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<h2>Quasi-static estimate of a mode</h2>" in text

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
@@ -161,7 +161,7 @@ class Mistuning(Labelled):
             f"{factors[least]:.3g} times as much."
         )
 
-    def tables(self, name: str) -> Iterator[Table]:
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`: the patterns, the blades of the shown one, and its curve."""
         columns = [column_of("pattern", "", np.arange(1, len(self.deviation) + 1))]
         columns += [column_of(f"factor, {words}", "", factors.max(axis=1)) for words, factors in self.limits.items()]

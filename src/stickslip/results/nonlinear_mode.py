@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
@@ -71,6 +71,7 @@ class NonlinearMode(PeriodicMotions):
     """
 
     DATASET_TITLE: ClassVar[str] = "Nonlinear mode of a structure with rough, dry-friction joints"
+    STUDY_GROUP: ClassVar[str] = "nonlinear_mode"
 
     modal_amplitude: FloatArray = field(
         metadata=stored(Numbers(CURVE, "m kg0.5", "modal amplitude: mass norm of the first harmonic"))
@@ -147,13 +148,19 @@ class NonlinearMode(PeriodicMotions):
         """Whether a warning says that the reduced structure does not have this mode as the full model has it."""
         return any(each.startswith(POOR_REDUCTION) for each in self.warnings)
 
-    def tables(self, name: str) -> Iterator[Table]:
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""
         columns = (
             column_of("modal amplitude", "m kg^0.5", self.modal_amplitude),
             column_of("frequency", "Hz", self.frequency_hz),
             column_of("damping ratio", "1", self.damping_ratio),
-            column_of("dissipated energy", "J", self.dissipated_energy.sum(axis=1)),
+            *(
+                column_of(f"first-harmonic amplitude of {output}", "m", self.harmonic_amplitude(row, 1))
+                for output, row in outputs.items()
+            ),
+            column_of("friction energy of all pairs", "J", self.dissipated_energy.sum(axis=1)),
+            column_of("viscous energy", "J", self.viscous_energy),
+            column_of("supplied energy", "J", self.input_energy),
             column_of("MAC with the closest stuck mode", "1", self.stuck_mac.max(axis=1)),
             column_of("MAC with the closest sliding mode", "1", self.sliding_mac.max(axis=1)),
             *(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Protocol, runtime_checkable
 
+from stickslip.core.validation import FloatArray
 from stickslip.results.table import Table
 
 
@@ -15,8 +16,8 @@ class ResultPart(Protocol):
     It writes its own tables and sentences. Its section of the page is a module of ``reporting``.
     """
 
-    def tables(self, name: str) -> Iterator[Table]:
-        """Its tables for ``stickslip export``."""
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
+        """Its tables for ``stickslip export``; ``outputs`` are the rows (n,) of the study by name, in m."""
 
     def closing_words(self, name: str) -> Iterator[str]:
         """Lines for the end of ``stickslip run``: its message, its main numbers and its warnings."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
@@ -96,7 +96,7 @@ class PeakGradients(Labelled):
         """The parameters by the size of the relative change of the amplitude, the largest first."""
         return [int(place) for place in np.argsort(-np.abs(self.relative_changes()[0]), kind="stable")]
 
-    def tables(self, name: str) -> Iterator[Table]:
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`: derivatives, each over the unit of its parameter."""
         columns = (
             column_of("parameter", "", self.names),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -322,7 +322,7 @@ class PeakRidge(Labelled):
         point = int(np.argmin(np.abs(np.log(self.parameter / at.parameter))))
         return bool(self.pairs_stick_slip[point] + self.pairs_separating[point])
 
-    def tables(self, name: str) -> Iterator[Table]:
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""
         points = {key: getattr(self, key) for key in POINT_COLUMNS} | {"ridge": self.ridge + 1}
         parameter = column_of(self.parameter_name, self.parameter_unit, self.parameter)

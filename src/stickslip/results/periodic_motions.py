@@ -7,7 +7,6 @@ Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, s
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from os import PathLike
 from typing import Self
 
 import numpy as np
@@ -18,9 +17,9 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
-from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.periodic_amplitude import periodic_amplitude
+from stickslip.results.saved import Saved
 from stickslip.results.stored import StoredGroup
 from stickslip.results.variables import (
     Attribute,
@@ -28,7 +27,6 @@ from stickslip.results.variables import (
     HarmonicNumbers,
     InGroup,
     Json,
-    Labelled,
     Numbers,
     Text,
     WholeNumbers,
@@ -44,7 +42,7 @@ _Setting = str | float | int | None
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicMotions(Labelled):
+class PeriodicMotions(Saved):
     """Base of results with a periodic motion at each point: what :class:`stickslip.results.response.ForcedResponse`
     describes of them."""
 
@@ -151,15 +149,6 @@ class PeriodicMotions(Labelled):
         """(n_samples, n_pairs, 3) m, relative displacement t1, t2, n over one period. Raises InputError."""
         synthesis = synthesis_matrix(self.harmonics, n_samples)
         return np.moveaxis(self.pair_coefficients(point) @ synthesis.T, 2, 0)
-
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write one NetCDF-4 file, completely or not at all. Raises ResultsFileError if it cannot be written."""
-        write_groups(path, self.to_groups())
-
-    @classmethod
-    def load(cls, path: str | PathLike[str]) -> Self:
-        """Read a file of :meth:`save`; the object is equal. Raises ResultsFileError."""
-        return read_groups(path, cls.from_group)
 
     @classmethod
     def from_group(cls, group: StoredGroup, harmonics: int = 0) -> Self:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray, require_positive
 from stickslip.results.periodic_motions import CURVE, PAIRS
+from stickslip.results.saved import Saved
 from stickslip.results.table import Table, column_of
-from stickslip.results.variables import Attribute, Json, Labelled, Numbers, Text, WholeNumbers, stored
+from stickslip.results.variables import Attribute, Json, Numbers, Text, WholeNumbers, stored
 
 
 @dataclass(frozen=True, eq=False)
-class QuasiStaticMode(Labelled):
+class QuasiStaticMode(Saved):
     """Frequency and damping ratio of a stuck mode from its static load curve with friction (docs/theory_modes.md).
 
     Parameters
@@ -45,6 +46,7 @@ class QuasiStaticMode(Labelled):
     """
 
     DATASET_TITLE: ClassVar[str] = "Quasi-static estimate of a mode of a structure with rough, dry-friction joints"
+    STUDY_GROUP: ClassVar[str] = "quasi_static_mode"
 
     modal_amplitude: FloatArray = field(metadata=stored(Numbers(CURVE, "m kg0.5", "amplitude of the stuck mode")))
     frequency_hz: FloatArray = field(metadata=stored(Numbers(CURVE, "Hz", "frequency by the secant", name="frequency")))
@@ -89,12 +91,13 @@ class QuasiStaticMode(Labelled):
         """(n_points,) amplitude of ``output @ u`` at the end of the load; ``output`` is a row (n,)."""
         return np.asarray(np.abs(self.displacement @ output))
 
-    def tables(self, name: str) -> Iterator[Table]:
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`."""
         columns = (
             column_of("modal amplitude", "m kg^0.5", self.modal_amplitude),
             column_of("frequency", "Hz", self.frequency_hz),
             column_of("damping ratio", "1", self.damping_ratio),
+            *(column_of(f"amplitude of {output}", "m", self.amplitude(row)) for output, row in outputs.items()),
             column_of("friction energy", "J", self.friction_energy),
             column_of("moving pairs", "1", self.moving_fraction),
         )

@@ -34,6 +34,11 @@ class StoredGroup:
     def __contains__(self, name: str) -> bool:
         return name in self.group
 
+    @property
+    def title(self) -> str:
+        """Title of the dataset in the group, "" without one."""
+        return str(self.group.attrs.get("title", ""))
+
     def subgroup(self, name: str) -> StoredGroup:
         """A group within."""
         item = self._item(name)

@@ -30,7 +30,7 @@ def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, .
         _nodal_diameters(study),
         _modes(study),
         *_side_curves(response, study),
-        *(table for name, part in response.parts.items() for table in part.tables(name)),
+        *(table for name, part in response.parts.items() for table in part.tables(name, study.outputs)),
         *_stress(study),
         _tuples("derived", "derived quantities", ("quantity", "value", "unit", "meaning"), study.derived),
         _tuples("inputs", "the study file", ("key", "value"), list(study.input_values().items())),

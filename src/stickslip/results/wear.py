@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, ClassVar
@@ -160,7 +160,7 @@ class Wear(Labelled):
         if after or before:
             yield f"Pairs without load at rest: {before} of {self.area.size} before, {after} after."
 
-    def tables(self, name: str) -> Iterator[Table]:
+    def tables(self, name: str, outputs: Mapping[str, FloatArray]) -> Iterator[Table]:
         """See :class:`stickslip.results.part.ResultPart`: the states, and the pairs at the end."""
         columns = (
             column_of("cycles", "", self.cycles),

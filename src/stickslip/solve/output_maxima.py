@@ -262,8 +262,8 @@ class OutputMaxima(Generic[BalancePointT]):
     def _look_at(
         self, before: _Sampled[BalancePointT], after: _Sampled[BalancePointT], places: Sequence[float]
     ) -> None:
-        """Solve between two points at ``places`` in rad/s, and note the one that is most above the cubic, if it is above
-        it by a missed peak."""
+        """Solve between two points at ``places`` in rad/s, and note the highest one over the cubic, if that is a missed
+        peak."""
         metric = self._corrector.measure(after.point)
         cubic = cubic_between(before.branch_point, after.branch_point, metric)
         if cubic is None or not places:

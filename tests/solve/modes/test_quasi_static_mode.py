@@ -43,6 +43,17 @@ def test_it_agrees_with_the_nonlinear_mode_at_low_amplitude() -> None:
         assert beside == pytest.approx(getattr(exact, name), rel=allowed)
 
 
+def test_stuck_pairs_dissipate_exactly_nothing() -> None:
+    """The deviation of stuck pairs from their springs is round-off, of either sign."""
+    stiffness, operator = np.diag([1e6, 2e6, 3e6]), np.eye(3) * np.pi
+    pairs = ss.ContactPairs(operator, 1e5 / 3.0, 1e5 / 7.0, 0.3, 10.0)
+    result = ss.quasi_static_mode(ss.Superelement(np.eye(3), stiffness), pairs, 1, (1e-8, 1e-3))
+    stuck = result.moving_fraction == 0.0
+    assert 0 < stuck.sum() < stuck.size
+    assert (result.friction_energy[stuck] == 0.0).all()
+    assert (result.friction_energy[~stuck] > 0.0).all()
+
+
 def test_normal_forces_that_change_have_a_warning() -> None:
     operator = np.eye(3)
     operator[2, 0] = 1.0

@@ -45,6 +45,8 @@ HALVINGS = 12
 LARGEST_STEP = 1e6
 # chosen: change of a normal force over the load at rest above which Masing's rule is in doubt.
 LARGEST_CHANGE_OF_LOAD = 0.1
+# chosen: a loop below this multiple of the work of the load is round-off, and zero. Stuck pairs have up to 2e-14.
+LEAST_LOOP = 1e-12
 
 
 def quasi_static_mode(
@@ -206,6 +208,7 @@ def _result(ramp: _ModeRamp, levels: Sequence[_Level], first: int, reached: bool
     work = np.cumsum(0.5 * steps * (released + np.concatenate([[0.0], released[:-1]])))
     loop = 8.0 * work - 4.0 * released * amplitude
     force = linear.omega**2 * amplitude + released
+    loop[np.abs(loop) < LEAST_LOOP * force * amplitude] = 0.0
     omega = np.sqrt(force / amplitude)
     motions = np.array([ramp.motion(level) for level in levels])
     damping = stuck.modal_damping
