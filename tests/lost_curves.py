@@ -62,6 +62,7 @@ def branch(points: list[Any], stop: float, complete: bool) -> Any:
         points=[SimpleNamespace(point=each, iterations=1) for each in points],
         complete=complete,
         lost=not complete,
+        ran_out=False,
         message=f"toward {stop / (2.0 * np.pi):.0f}",
         retreats=[],
         corners=[],

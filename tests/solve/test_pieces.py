@@ -66,6 +66,21 @@ def test_a_curve_that_no_step_lost_ends_with_what_happens_there_too() -> None:
     assert curve.message == f"toward 200 {SETTLES.words()}"
 
 
+def test_a_curve_that_goes_on_beyond_a_branch_out_of_points_is_not_complete() -> None:
+    curve = pieces(150.05, 200.0, 2.0, 0.0)
+    part = curve._part
+
+    def out_of_points(start: Any, stop: float) -> Any:
+        answer = cast(Any, part(start, stop))
+        answer.ran_out = answer.lost
+        return answer
+
+    curve._part = out_of_points
+    assert not curve.follow(point(100.0)).complete
+    assert hertz_of(curve)[-1] == pytest.approx(200.0)
+    printed_sentence(curve.message)
+
+
 @pytest.mark.parametrize(
     ("given_by", "words"),
     [

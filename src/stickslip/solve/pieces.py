@@ -61,7 +61,8 @@ class Pieces(Generic[BalancePointT]):
     warnings:
         a sentence on each place where it is, and on a beginning without a solution.
     complete, message, retreats, corners, crossings:
-        as those of :class:`Branch`; a curve that leaves out more than LARGEST_GAP of the window is not complete.
+        as those of :class:`Branch`; a curve that leaves out more than LARGEST_GAP of the window, or the rest of a
+        branch that used its points, is not complete.
     """
 
     def __init__(
@@ -75,7 +76,7 @@ class Pieces(Generic[BalancePointT]):
         self._varies, self._takes_settled = varies, True
         self._direction = math.copysign(1.0, window[1] - window[0])
         self._width = abs(window[1] - window[0])
-        self._left_out = 0.0
+        self._left_out, self._ran_out = 0.0, False
         self.points: list[BranchPoint[BalancePointT]] = []
         self.breaks: list[int] = []
         self.warnings: list[str] = []
@@ -125,14 +126,20 @@ class Pieces(Generic[BalancePointT]):
             short = short + 1 if covered < SHORT * self._width else 0
             if not branch.lost or short > MOST_SHORT:
                 break
+            self._ran_out |= branch.ran_out
             onward = self._go_on(branch)
             if onward is None:
                 return self
             branch = onward
         if not branch.complete:
             self.message = self._sentences(branch.message, self._evidence_at_end())
-        self.complete = branch.complete and self._left_out <= LARGEST_GAP * self._width
-        if branch.complete and not self.complete:
+        self.complete = branch.complete and self._left_out <= LARGEST_GAP * self._width and not self._ran_out
+        if branch.complete and self._ran_out:
+            self.message = (
+                "The curve reached the stop frequency, but a part of it is missing: a branch that ran back used all of "
+                "its points (the warnings give the frequency). Raise max_points or narrow the range."
+            )
+        elif branch.complete and not self.complete:
             self.message = (
                 f"The curve reached the stop frequency, but has no points in {100.0 * self._left_out / self._width:.2g}"
                 " % of the range: the warnings give the frequencies."

@@ -83,3 +83,35 @@ def test_a_point_with_slip_smaller_than_a_disturbance_is_doubtful(response: ss.F
     assert response.doubtful[points].all()
     assert "may grow" in response.stability_message
     assert growth_of_a_disturbance(response, int(points[-1])) > 1.03
+
+
+@pytest.mark.slow
+def test_a_motion_with_a_period_doubling_of_pairs_that_stick_is_unstable() -> None:
+    """A mass between a stop and a pair that touches its limit: the slider that follows has -0.988, the one that sticks
+    -1.072, and time integration ends in a motion of twice the period. (The other directions move nothing.)"""
+    square = (2.0 * np.pi * 10.0) ** 2
+    superelement = ss.Superelement(
+        np.eye(3), np.diag([1.0, 400.0, 400.0]) * square, np.diag([0.02, 0.4, 0.4]) * np.sqrt(square)
+    )
+    operator = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    tangential = np.array([[1e-6, 1e-6], [1.0, 1.0]]) * square
+    preload = np.array([-0.15, 2.0 * 0.1634797402172416]) * square
+    pairs = ss.ContactPairs(operator, np.array([3.0, 1e-3]) * square, tangential, [1e-6, 0.5], preload)
+    force = np.array([square, 0.0, 0.0])
+    response = ss.forced_response(
+        superelement, pairs, force, frequency_hz=(29.372121957526513, 29.4), harmonics=15, samples=512
+    )
+    assert response.stable is not None
+    assert response.doubtful is not None
+    assert response.multipliers is not None
+    assert response.contact_state[0].tolist() == [ss.ContactState.SEPARATING, ss.ContactState.STUCK]
+    assert response.multipliers[0, 0].real == pytest.approx(-1.072, abs=2e-3)
+    assert not response.stable[0]
+    assert response.doubtful[0]
+    start = ss.start_from_response(response, 0)
+    start["initial_displacement"] = 1.01 * start["initial_displacement"]
+    motion = ss.integrate_to_steady_state(
+        superelement, pairs, force, 0.0 * force, float(response.frequency_hz[0]), steps_per_period=500,
+        max_periods=150, **start,
+    )  # fmt: skip
+    assert motion.period_change[-1] > 0.5

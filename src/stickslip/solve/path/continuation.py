@@ -57,10 +57,10 @@ class Branch(Generic[PointT]):
     ``follow()`` walks along it and returns its points. ``on_event`` receives each accepted point, retreats (points are
     removed because they are on another curve), and corners. No step crosses one of the ``landmarks``
     (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
-    branch ends at the stop, ``lost`` if it ends because no step succeeds, or runs back when it has used its points;
-    ``message`` describes its end. ``retreats`` and ``corners`` are the parameters of those events, ``crossings`` the
-    places where the branch was lost and continues close beyond. ``revise`` may solve each new point again, with other
-    equations, before the branch continues.
+    branch ends at the stop, ``lost`` if it ends because no step succeeds, or runs back when it has used its points
+    (``ran_out``); ``message`` describes its end. ``retreats`` and ``corners`` are the parameters of those events,
+    ``crossings`` the places where the branch was lost and continues close beyond. ``revise`` may solve each new point
+    again, with other equations, before the branch continues.
     The branch also ends at the limit of the ``work`` on all branches that share it, and where an effort does not pay,
     of which one of its iterations has a ``cost`` of so many usual ones. Where the equations are linear, ``known`` gives
     its points without iteration.
@@ -108,7 +108,7 @@ class Branch(Generic[PointT]):
         self._crossed: list[tuple[PointT, float]] = []  # where they begin, and their directions
         self._most_retreats = MOST_RETREATS
         self._steps = iter(range(settings.max_points - 1))
-        self.complete = self.closed = self.lost = False
+        self.complete = self.closed = self.lost = self.ran_out = False
         self.message = "The branch has no points yet."
 
     def __repr__(self) -> str:
@@ -193,7 +193,7 @@ class Branch(Generic[PointT]):
             bend = tangent.times(0.0)
         # A curve may begin again beyond a branch that runs back; one that advances needs more points.
         ahead = [self._direction * parameter_of(each.point) for each in self.points]
-        self.lost = ahead[-1] < max(ahead) - RUNS_BACK * self._width
+        self.ran_out, self.lost = True, ahead[-1] < max(ahead) - RUNS_BACK * self._width
         self.message = (
             f"{self._settings.max_points} points were not enough; the branch reached only "
             f"{self._name_of(self.points[-1].point)}. Raise max_points or narrow the range."

@@ -16,6 +16,7 @@ import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.law import BoolArray
+from stickslip.core.fourier import with_rows
 from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray
 from stickslip.results.stability import Bifurcation, BifurcationKind
@@ -26,7 +27,7 @@ from stickslip.solve.stability.disturbances import ComplexArray, stuck_multiplie
 from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
-from stickslip.solve.stability.multipliers import PointMultipliers, is_real
+from stickslip.solve.stability.multipliers import BARELY, PointMultipliers, is_real
 from stickslip.solve.stability.verdict import ROUND_OFF, Counts, Verdict, distances_to
 
 # Samples of the period, and for each harmonic, at first; near the unit circle up to FINEST times as many.
@@ -57,7 +58,7 @@ class CurveStability:
         (n,) points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
         computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers. Also
         points with multipliers inside of the circle that a disturbance away from a touched limit, or one that is larger
-        than the slip of pairs, may leave.
+        than the slip of pairs, may leave; and points beside unstable ones whose touching pairs slip there.
     unconfirmed:
         (n,) points at which the motion corrected with more harmonics has another verdict, multipliers that more
         harmonics still move as far as the circle, or is not known.
@@ -131,6 +132,8 @@ def curve_stability(
     counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]
     unsure = [verdict.undecided or own != any(each) for verdict, own, each in zip(verdicts, alone, counts, strict=True)]
     stable = np.array([not any(each) for each in counts])
+    held = np.array([verdict.is_held_by_touches for verdict in verdicts]) & stable
+    reach = [bool(each) and _reaches_unstable(trials, stable, point) for point, each in enumerate(held)]
 
     def confirms(points: Sequence[int]) -> list[bool]:
         assert correction is not None
@@ -149,10 +152,24 @@ def curve_stability(
         stable,
         table,
         tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
-        np.array(unsure),
+        np.array(unsure) | reach,
         unconfirmed,
         max((fold.error for fold in folds if _changes_at(fold, positive)), default=0.0),
     )
+
+
+def _reaches_unstable(trials: Sequence[Trial], stable: BoolArray, point: int) -> bool:
+    """Whether the nearest unstable point of the curve, on either side, is within BARELY of the motion of a point whose
+    touching pairs hold a disturbance: one of this size makes them slip as they do there."""
+    unstable = np.flatnonzero(~stable)
+    place = int(np.searchsorted(unstable, point))
+    here = trials[point].relative[1:]
+    size = BARELY * float(np.linalg.norm(here))
+    for other in unstable[max(place - 1, 0) : place + 1]:
+        there = with_rows(trials[int(other)].relative[1:], len(here))
+        if float(np.linalg.norm(there - here)) <= size:
+            return True
+    return False
 
 
 def _confirmed(
@@ -222,8 +239,9 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdic
         verdict = Verdict(point.values, np.maximum(distances_to(point.values, verdict.values), ROUND_OFF))
     if any(verdict.counts()):
         return verdict
-    growing, may_leave = point.growing_to_one_side()
-    return replace(verdict.with_others(growing, _first_errors(growing, stuck)), may_leave=may_leave)
+    growing, in_doubt = point.growing_while_stuck()
+    verdict = verdict.with_others(growing, _first_errors(growing, stuck))
+    return replace(verdict, in_doubt=in_doubt, is_held_by_touches=point.is_held_by_touches)
 
 
 def _first_errors(values: ComplexArray, stuck: ComplexArray) -> FloatArray:

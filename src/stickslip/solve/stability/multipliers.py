@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.law import ContactState, IndexArray
+from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray
@@ -36,19 +36,23 @@ class PointMultipliers:
 
     A slider that has shaken down and only touches its limit follows a disturbance that goes farther, and does not come
     back. So it follows one that grows to one side, of a real multiplier above 0. One that changes its sign or rotates
-    moves it once and does not touch it again until it is larger: if such a one seems to grow, the multipliers of
-    touching pairs that stick decide.
+    moves it once and does not touch it again until it is larger: of these, the multipliers of touching pairs that stick
+    decide.
 
     Attributes
     ----------
     values:
         the largest first; all that matter, and often more.
+    is_held_by_touches:
+        whether sliders that follow would have a multiplier outside of the circle that changes its sign or rotates.
     """
 
     def __init__(self, model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> None:
         self._model, self._pairs, self._trial = model, pairs, trial
         self._moving = np.flatnonzero(trial.contact.moves.any(axis=1))
         self._touching = self._moving[:0]
+        self._sticking: Disturbances | None = None
+        self.is_held_by_touches = False
         if not self._moving.size:
             self.values = stuck_multipliers(model, trial.omega)
             return
@@ -59,46 +63,73 @@ class PointMultipliers:
         self.values = self._disturbances(self._steps).values
         to_one_side = _is_to_one_side(self.values)
         if self._touching.size and (np.abs(self.values[~to_one_side]) > 1.0).any():
-            sticking = self._if_they_stick(self._touching).values
-            others = sticking[~_is_to_one_side(sticking)]
-            values = np.concatenate([self.values[to_one_side], others])
-            self.values = values[np.argsort(-np.abs(values), kind="stable")]
+            sticking = self._if_touching_stick().values
+            self.is_held_by_touches = True
+            self.values = _sorted(np.concatenate([self.values[to_one_side], sticking[~_is_to_one_side(sticking)]]))
 
-    def growing_to_one_side(self) -> tuple[ComplexArray, bool]:
-        """Multipliers above 1, beyond round-off, of disturbances that take touching pairs away from their limits, and
-        whether there may be others.
+    def growing_while_stuck(self) -> tuple[ComplexArray, bool]:
+        """Multipliers outside of the circle, beyond round-off, of a structure in which touching pairs stick, and
+        whether the verdict is in doubt.
 
-        Such a disturbance meets a structure in which these pairs stick, of which ``values``, whose sliders follow, say
-        nothing. If with one sign it comes to no limit, it grows. If with both signs it does, a limit may hold it.
-        A disturbance that is larger than the slip of pairs meets a structure in which these stick too.
+        A disturbance that takes these pairs away from their limits meets such a structure, of which ``values``, whose
+        sliders follow, say nothing. If with one sign a real one comes to no limit, it grows. If with both signs it
+        does, a limit may hold it. One that changes its sign or rotates grows; that of sliders that follow does not, so
+        the verdict depends on the size of the disturbance. One that is larger than the slip of pairs meets a structure
+        in which these stick too.
         """
-        certain, may_leave = np.zeros(0, dtype=complex), False
+        certain, in_doubt = np.zeros(0, dtype=complex), False
         if not self._moving.size:
-            return certain, may_leave
+            return certain, in_doubt
         cycle = self._pairs.cycle(self._motion)
         if self._touching.size:
-            sticking = self._if_they_stick(self._touching)
+            sticking = self._if_touching_stick()
             growing = _growing(sticking.values)
             if growing.size:
                 limits = TouchedLimits.of(self._pairs, cycle, self._steps, self._touching)
                 motion = sticking.relative_motion(growing, limits.samples, limits.pairs)
                 leave = limits.is_left_by(motion, sticking.values[growing].real)
-                certain, may_leave = sticking.values[growing[leave]], not leave.all()
-        barely = _barely_slipping(self._motion, cycle.slider, self._moving)
-        barely = barely[self._trial.contact.state[barely] == ContactState.STICK_SLIP]
-        if barely.size and not certain.size and not may_leave:
-            may_leave = _growing(self._if_they_stick(np.concatenate([self._touching, barely])).values).size > 0
-        return certain, may_leave
+                certain, in_doubt = sticking.values[growing[leave]], in_doubt or not leave.all()
+            others = sticking.values[~_is_to_one_side(sticking.values)]
+            others = others[np.abs(others) > 1.0 + GROWS]
+            certain, in_doubt = np.concatenate([certain, others]), in_doubt or others.size > 0
+        if not certain.size and not in_doubt:
+            barely = self._barely_slipping(cycle.slider)
+            if barely.any():
+                barely[self._touching] = True
+                values = self._if_they_stick(barely).values
+                in_doubt = bool((np.abs(values) > 1.0 + GROWS).any())
+        return certain, in_doubt
 
     def _disturbances(self, steps: LinearSteps) -> Disturbances:
         sticks = self._trial.contact.state[self._moving] == ContactState.STUCK
         return Disturbances(self._model, steps, self._moving, sticks, self._trial.omega)
 
-    def _if_they_stick(self, pairs: IndexArray) -> Disturbances:
-        """The disturbances if some pairs stick through the period."""
+    def _if_touching_stick(self) -> Disturbances:
+        """The disturbances if touching pairs stick through the period."""
+        if self._sticking is None:
+            directions = np.zeros((self._pairs.n_pairs, 2), dtype=bool)
+            directions[self._touching] = True
+            self._sticking = self._if_they_stick(directions)
+        return self._sticking
+
+    def _if_they_stick(self, directions: BoolArray) -> Disturbances:
+        """The disturbances if pairs stick through the period in some ``directions`` (n_pairs, 2)."""
         keep = self._steps.keep.copy()
-        keep[:, pairs] = np.eye(2)
+        pairs, axes = np.nonzero(directions)
+        keep[:, pairs, axes] = np.eye(2)[axes]
         return self._disturbances(replace(self._steps, keep=keep))
+
+    def _barely_slipping(self, slider: FloatArray) -> BoolArray:
+        """(n_pairs, 2) directions in which pairs that move slip by less than BARELY of their motion: both of a pair, or
+        those of a law whose directions do not know of each other."""
+        way, size = np.ptp(slider, axis=0), np.ptp(self._motion[:, :, :2], axis=0)
+        slips = self._moving[self._trial.contact.state[self._moving] == ContactState.STICK_SLIP]
+        answer = np.zeros(way.shape, dtype=bool)
+        answer[slips] = (way[slips].max(axis=1) < BARELY * size[slips].max(axis=1))[:, None]
+        coupling = np.abs(self._steps.keep[:, slips][:, :, [0, 1], [1, 0]]) if slips.size else np.zeros((1, 0, 2))
+        apart = slips[~coupling.any(axis=(0, 2))]
+        answer[apart] |= way[apart] < BARELY * size[apart]
+        return answer
 
 
 def _growing(values: ComplexArray) -> IndexArray:
@@ -106,17 +137,16 @@ def _growing(values: ComplexArray) -> IndexArray:
     return np.flatnonzero(_is_to_one_side(values) & (values.real > 1.0 + GROWS))
 
 
-def _barely_slipping(motion: FloatArray, slider: FloatArray, moving: IndexArray) -> IndexArray:
-    """Those of the ``moving`` pairs that slip by less than BARELY of their motion."""
-    way = np.ptp(slider[:, moving], axis=0).max(axis=1)
-    return np.asarray(moving[way < BARELY * np.ptp(motion[:, moving, :2], axis=0).max(axis=1)])
-
-
 def _motion(pairs: ContactPairs, trial: Trial, samples: int) -> FloatArray:
     """(samples, n_pairs, 3) m, the relative motion of a solution."""
     coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
     harmonics = coefficients.shape[2] // 2
     return np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0)
+
+
+def _sorted(values: ComplexArray) -> ComplexArray:
+    """The largest first."""
+    return values[np.argsort(-np.abs(values), kind="stable")]
 
 
 def _is_to_one_side(values: ComplexArray) -> NDArray[np.bool_]:

@@ -36,13 +36,15 @@ class Counts(NamedTuple):
 class Verdict:
     """The multipliers of a point and their errors (of each).
 
-    ``may_leave``: a disturbance to one side may grow without a multiplier outside of the unit circle
-    (:class:`stickslip.solve.stability.multipliers.PointMultipliers`).
+    ``in_doubt``: pairs that touch their limits or hardly slip leave it open whether a disturbance grows;
+    ``is_held_by_touches``: if these pairs slipped, one would (both from
+    :class:`stickslip.solve.stability.multipliers.PointMultipliers`).
     """
 
     values: ComplexArray
     errors: FloatArray
-    may_leave: bool = False
+    in_doubt: bool = False
+    is_held_by_touches: bool = False
 
     @property
     def _real(self) -> BoolArray:
@@ -59,7 +61,7 @@ class Verdict:
         to one side may grow; folds decide about a real one near 1."""
         if self.is_surely_unstable:
             return False
-        if self.may_leave:
+        if self.in_doubt:
             return True
         beside_fold = self._real & (self.values.real > 0.0)
         unsure = np.abs(np.abs(self.values) - 1.0) <= self.errors
