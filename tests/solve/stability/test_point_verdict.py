@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, sided_counts
 from stickslip.solve.stability.verdict import CHANGE_FACTOR, Verdict
 
 
@@ -49,3 +50,27 @@ def test_a_motion_with_one_multiplier_that_is_surely_outside_is_unstable_whateve
 def test_small_multipliers_that_the_iteration_does_not_resolve_keep_their_error() -> None:
     few = verdict(-0.1)
     assert verdict(0.45 * 1j).moved_from(few).settles(stable=True)
+
+
+def test_a_complex_pair_beside_1_may_be_a_real_multiplier_on_each_side_of_it() -> None:
+    """Between two folds of two blades, the last two points before the second one have 0.9937 +- 0.0067i: errors of the
+    harmonics join what would be 1.001 and 0.986. Points between them with 1.0145 lost their verdict to these."""
+    pair = verdict(0.9937 + 0.0067j)
+    assert pair.counts().positive == 0
+    assert pair.possible(0.0156) == range(2)
+    assert pair.possible(0.005) == range(1)
+    assert pair.has_pair_near_one(0.0156)
+    assert not pair.has_pair_near_one(0.005)
+    folds = [Fold(0.6, 2.0, 0.0), Fold(4.7, 1.0, 0.013)]
+    points = [verdict(0.9937 + 0.02j), *map(verdict, (1.0054, 1.0145, 1.0051)), pair, verdict(0.9936 + 0.0248j)]
+    distances = [doubtful_range(place, folds) for place in range(len(points))]
+    sided = sided_counts(
+        [each.counts().positive for each in points],
+        [each.possible(distance) for each, distance in zip(points, distances, strict=True)],
+        [
+            each.near_one(NEAR_FOLD) or each.has_pair_near_one(distance)
+            for each, distance in zip(points, distances, strict=True)
+        ],
+        folds,
+    )
+    assert sided == [0, 1, 1, 1, 1, 0]

@@ -126,7 +126,10 @@ def curve_stability(
     folds = folds_of(omega, [verdict.values for verdict in verdicts])
     distances = [doubtful_range(point, folds) for point in range(len(trials))]
     possible = [verdict.possible(distance) for verdict, distance in zip(verdicts, distances, strict=True)]
-    near_one = [verdict.near_one(NEAR_FOLD) for verdict in verdicts]
+    near_one = [
+        verdict.near_one(NEAR_FOLD) or verdict.has_pair_near_one(distance)
+        for verdict, distance in zip(verdicts, distances, strict=True)
+    ]
     positive = sided_counts([each.positive for each in counts], possible, near_one, folds)
     alone = [any(each) for each in counts]
     counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]

@@ -85,11 +85,15 @@ class Verdict:
         return bool(self._near_one(distance).any())
 
     def possible(self, distance: float) -> range:
-        """Numbers of real multipliers above 1, if those within a distance of 1, or their error, may be on either
-        side."""
+        """Numbers of real multipliers above 1, if those within a distance of 1, or their error, may be on either side,
+        and a complex pair there may be two real ones on both sides."""
         near = self._near_one(distance)
         beyond = int((self._real & (self.values.real > 1.0) & ~near).sum())
-        return range(beyond, beyond + int(near.sum()) + 1)
+        return range(beyond, beyond + int(near.sum()) + int(self.has_pair_near_one(distance)) + 1)
+
+    def has_pair_near_one(self, distance: float) -> bool:
+        """Whether a complex pair is within a distance of 1: errors may have made it of two real ones."""
+        return bool((~self._real & (np.abs(self.values - 1.0) <= distance)).any())
 
     def confirms(self, stable: bool, distance: float) -> bool:
         """Whether these multipliers allow a verdict; folds decide about real ones within a distance of 1."""
