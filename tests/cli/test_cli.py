@@ -19,7 +19,7 @@ from stickslip.case.examples import EXAMPLES
 from stickslip.cli import errors as cli_errors
 from stickslip.cli import main as cli
 from stickslip.core.errors import ConvergenceError, ResultsFileError, RoughnessError
-from stickslip.core.progress import Progress, SilentProgress, terminal_progress
+from stickslip.core.progress import Progress
 
 
 @dataclass
@@ -338,36 +338,6 @@ def test_help_and_version() -> None:
     for command in ("new", "check", "run", "report"):
         assert f"\n  {command} " in text
     assert _stickslip("--version").stdout == f"stickslip {stickslip.__version__}\n"
-
-
-@pytest.mark.parametrize("quiet", [True, False])
-def test_progress_goes_to_stderr(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
-    with terminal_progress(quiet) as progress:
-        progress.update("Curve", 0.0)
-        progress.update("Curve", 0.5, "484 Hz [bold]")
-        progress.update("Curve", 1.0)
-        progress.update("Curve", 1.0)
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err == ("" if quiet else "Curve ...\nCurve: done\n")
-
-
-def test_progress_on_a_terminal_shows_the_time_left(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    monkeypatch.setenv("COLUMNS", "120")
-    with terminal_progress() as progress:
-        progress.update("Curve", 0.25, "484 Hz [bold]")
-    text = capsys.readouterr().err
-    assert "Curve" in text
-    assert "left" in text
-    assert "484 Hz [bold]" in text
-
-
-def test_silent_progress_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
-    SilentProgress().update("Curve", 0.5, "484 Hz")
-    assert capsys.readouterr() == ("", "")
 
 
 def _stickslip(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from stickslip.core import progress
-from stickslip.core.progress import LineProgress
+from stickslip.core.progress import LineProgress, SilentProgress, terminal_progress
 
 
 class Log:
@@ -100,3 +100,33 @@ def test_reminders_come_while_the_computation_is_silent(monkeypatch: pytest.Monk
         assert printed.wait(timeout=10.0)
     assert "Response: modes (25 % done, 0 s)" in stream.getvalue()
     assert threading.active_count() == before
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_progress_goes_to_stderr(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    with terminal_progress(quiet) as shown:
+        shown.update("Curve", 0.0)
+        shown.update("Curve", 0.5, "484 Hz [bold]")
+        shown.update("Curve", 1.0)
+        shown.update("Curve", 1.0)
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err == ("" if quiet else "Curve ...\nCurve: done\n")
+
+
+def test_progress_on_a_terminal_shows_the_time_left(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "120")
+    with terminal_progress() as shown:
+        shown.update("Curve", 0.25, "484 Hz [bold]")
+    text = capsys.readouterr().err
+    assert "Curve" in text
+    assert "left" in text
+    assert "484 Hz [bold]" in text
+
+
+def test_silent_progress_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    SilentProgress().update("Curve", 0.5, "484 Hz")
+    assert capsys.readouterr() == ("", "")

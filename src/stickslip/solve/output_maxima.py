@@ -27,7 +27,7 @@ from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.harmonic.curves import BalancePointT
 from stickslip.solve.harmonic.energy import CHUNK
-from stickslip.solve.harmonic.missed_peaks import HIGHER, VISIBLE, MissedPeak
+from stickslip.solve.harmonic.missed_peaks import HIGHER, VISIBLE, MissedPeak, highest_of, in_hz
 from stickslip.solve.harmonic.overtones import overtone_places
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
 from stickslip.solve.path.corrector import SMALLEST_MOTION, Corrector
@@ -87,8 +87,7 @@ class AddedMaxima:
     def _missed_warning(self) -> tuple[str, ...]:
         if not self.missed:
             return ()
-        worst = max(self.missed, key=lambda each: each.factor)
-        places = ", ".join(f"{each.frequency_hz:.3f}" for each in self.missed)
+        worst, places = highest_of(self.missed), in_hz(each.frequency_hz for each in self.missed)
         return (
             f"The curve stepped over narrow peaks of an output near {places} Hz, where a harmonic of the contact "
             f"excites a natural frequency: at {worst.frequency_hz:.3f} Hz the output has {worst.factor:.3g} times the "
@@ -98,7 +97,7 @@ class AddedMaxima:
     def _failed_warning(self) -> tuple[str, ...]:
         if not self.failed_hz:
             return ()
-        places = ", ".join(f"{each:.3f}" for each in self.failed_hz)
+        places = in_hz(self.failed_hz)
         return (
             f"An output may have a maximum near {places} Hz that the curve does not have: its amplitude rises between "
             "two points, and the solver found no point there. Run this part of the range again with a smaller "
@@ -287,7 +286,8 @@ class OutputMaxima(Generic[BalancePointT]):
             factor = float((found.amplitude / least).max())
             if factor > HIGHER:
                 peaks.append(MissedPeak(omega / (2.0 * math.pi), factor))
-        self._missed += sorted(peaks, key=lambda each: -each.factor)[:1]
+        if peaks:
+            self._missed.append(highest_of(peaks))
 
     def _within(
         self, before: _Sampled[BalancePointT], after: _Sampled[BalancePointT], depth: int

@@ -63,8 +63,8 @@ class PeakCheck:
     def _missed_warning(self) -> tuple[str, ...]:
         if not self.missed:
             return ()
-        worst = max(self.missed, key=lambda each: each.factor)
-        places = ", ".join(f"{each.frequency_hz:.3f}" for each in self.missed)
+        worst = highest_of(self.missed)
+        places = in_hz(each.frequency_hz for each in self.missed)
         return (
             f"The curve stepped over narrow peaks near {places} Hz: at {worst.frequency_hz:.3f} Hz the motion is "
             f"{worst.factor:.3g} times that of the points beside it. Run this part of the range again with a smaller "
@@ -74,11 +74,21 @@ class PeakCheck:
     def _failed_warning(self) -> tuple[str, ...]:
         if not self.failed_hz:
             return ()
-        places = ", ".join(f"{each:.3f}" for each in self.failed_hz)
+        places = in_hz(self.failed_hz)
         return (
             f"The search for narrow peaks has no answer near {places} Hz, between points of the curve beside a natural "
             "frequency: Newton does not converge there. Run this part of the range again as a range of its own.",
         )
+
+
+def highest_of(missed: Iterable[MissedPeak]) -> MissedPeak:
+    """The missed peak that is the most above the curve."""
+    return max(missed, key=lambda each: each.factor)
+
+
+def in_hz(frequencies_hz: Iterable[float]) -> str:
+    """Places of a curve in words."""
+    return ", ".join(f"{each:.3f}" for each in frequencies_hz)
 
 
 def search_missed_peaks(
