@@ -23,11 +23,11 @@ from stickslip.results.stability import Bifurcation, BifurcationKind
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
-from stickslip.solve.stability.disturbances import ComplexArray, stuck_multipliers
+from stickslip.solve.stability.disturbances import ComplexArray, is_real, stuck_multipliers
 from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
-from stickslip.solve.stability.multipliers import BARELY, PointMultipliers, is_real
+from stickslip.solve.stability.multipliers import BARELY, PointMultipliers
 from stickslip.solve.stability.verdict import ROUND_OFF, Counts, Verdict, distances_to
 
 # Samples of the period, and for each harmonic, at first; near the unit circle up to FINEST times as many.
@@ -189,7 +189,7 @@ def _confirmed(
     for _ in range(MOST_CORRECTIONS):
         finer = {point: trial for point, each in motions.items() if (trial := correction(point, each)) is not None}
         # One model for both motions: with more harmonics more modes have inertia, and with them multipliers.
-        both = _verdicts(pairs, stuck, [*finer.values(), *(motions[point] for point in finer)])
+        both = _verdicts(pairs, stuck, [*finer.values(), *(motions[point] for point in finer)], tested=len(finer))
         motions = {}
         for point, verdict, before in zip(finer, both, both[len(finer) :], strict=False):
             if not verdict.confirms(*limits[point]):
@@ -208,8 +208,11 @@ def _harmonics(trial: Trial) -> int:
     return len(trial.relative) // 2
 
 
-def _verdicts(pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial]) -> list[Verdict]:
-    """The verdict of each point; the points are shared among threads."""
+def _verdicts(
+    pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial], tested: int | None = None
+) -> list[Verdict]:
+    """The verdict of each point; the points are shared among threads. Of the first ``tested`` points, or all, it tells
+    what disturbances do that take pairs away from their limits."""
     if not trials:
         return []
     moves = np.any([trial.contact.moves for trial in trials], axis=0)
@@ -219,14 +222,15 @@ def _verdicts(pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial
 
     def judge(start: int, stop: int) -> None:
         for point in range(start, stop):
-            verdicts[point] = _verdict(model, pairs, trials[point])
+            verdicts[point] = _verdict(model, pairs, trials[point], tested is None or point < tested)
 
     in_shares(judge, len(trials), 1)
     return [verdicts[point] for point in range(len(trials))]
 
 
-def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdict:
-    """The multipliers of a point with as many samples as its verdict requires."""
+def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial, is_tested: bool) -> Verdict:
+    """The multipliers of a point with as many samples as its verdict requires; ``is_tested`` for disturbances that take
+    pairs away from their limits."""
     stuck = stuck_multipliers(model, trial.omega)
     if not trial.contact.moves.any():
         return Verdict(stuck, np.full(stuck.size, ROUND_OFF))
@@ -240,8 +244,10 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdic
         samples, confirmed = 2 * samples, True
         point = PointMultipliers(model, pairs, trial, samples)
         verdict = Verdict(point.values, np.maximum(distances_to(point.values, verdict.values), ROUND_OFF))
-    if any(verdict.counts()):
-        return verdict
+    counts = verdict.counts()
+    if any(counts) or not is_tested:
+        grows_alone = counts.positive and not (counts.negative or counts.complex)
+        return replace(verdict, in_doubt=bool(grows_alone and is_tested and point.grows_in_doubt()))
     growing, in_doubt = point.growing_while_stuck()
     verdict = verdict.with_others(growing, _first_errors(growing, stuck))
     return replace(verdict, in_doubt=in_doubt, is_held_by_touches=point.is_held_by_touches)

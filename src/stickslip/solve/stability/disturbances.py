@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.stability.march import Period
 from stickslip.solve.stability.model import StabilityModel
 from stickslip.solve.stability.neutral import neutral_disturbances
+from stickslip.solve.stability.touched_limits import TouchedLimits
 
 ComplexArray = NDArray[np.complex128]
 Marching = Callable[[FloatArray], FloatArray]
@@ -20,6 +22,8 @@ Marching = Callable[[FloatArray], FloatArray]
 # Up to this number of states all eigenvalues are computed; chosen: the march of as many columns costs as much as the
 # first two blocks of the iteration.
 DENSE_SIZE = 64
+# The relative imaginary part below which a multiplier is real.
+REAL = 1e-7
 # The iteration ends when the largest multipliers satisfy their equation to this accuracy, or after MOST_BLOCKS; those
 # below SMALLEST_SIZE matter for no verdict. The error of a multiplier is about the square of that of its equation
 # where the eigenvectors are not far from orthogonal.
@@ -28,8 +32,29 @@ RITZ_TOLERANCE, MOST_BLOCKS, SMALLEST_SIZE = 1e-4, 6, 0.5
 SMALLEST_DIRECTION = 1e-8
 
 
+@dataclass(frozen=True)
+class DisturbanceModes:
+    """Eigenvalues of one march, the largest first: all that matter, and often more.
+
+    Attributes
+    ----------
+    values:
+        (c,) the multipliers.
+    vectors:
+        (size, c) eigenvectors in the units of the march.
+    """
+
+    values: ComplexArray
+    vectors: ComplexArray
+
+
 class Disturbances:
     """The march of disturbances over one period, without neutral ones, which have multipliers of exactly 1.
+
+    Pairs that stick and touch their limits make it many marches, one for each choice of touches at which sliders
+    follow. One march has them all: where touching pairs stick, states X become ``E X`` and would change their tractions
+    at the touches by ``c X``. Pushes a there become ``W a`` and change what other touches (and they themselves) see by
+    ``C a``. So sliders that follow at some touches push by ``a = (1 - C)^-1 c X``, and X becomes ``E X + W a``.
 
     Parameters
     ----------
@@ -41,49 +66,140 @@ class Disturbances:
         (k,) pairs whose steps may differ from their resting springs.
     sticks:
         (k,) those of them that the solution calls stuck.
+    touching:
+        (k,) those of these that touch their limits.
     omega:
         rad/s of the excitation.
-
-    Attributes
-    ----------
-    values:
-        the multipliers, the largest first; all that matter, and often more.
     """
 
     def __init__(
-        self, model: StabilityModel, steps: LinearSteps, moving: IndexArray, sticks: BoolArray, omega: float
+        self,
+        model: StabilityModel,
+        steps: LinearSteps,
+        moving: IndexArray,
+        sticks: BoolArray,
+        touching: BoolArray,
+        omega: float,
     ) -> None:
-        steps, left = _states_of(steps, moving, model.springs)
-        moving, sticks = moving[left], sticks[left]
-        self._contact = np.hstack([model.near_contact, model.far_contact])
-        self._period = None
+        self._steps, left = _states_of(steps, moving, touching, model.springs)
+        moving, sticks, touching = moving[left], sticks[left], touching[left]
+        self._model, self._moving, self._sticks, self._omega = model, moving, sticks, omega
+        self._springs = model.springs[moving]
+        self.limits = TouchedLimits.of(self._steps, np.flatnonzero(touching), self._springs)
+        self.pairs = moving
+        self._known: dict[bytes, DisturbanceModes] = {}
+        self._period: Period | None = None
         if not moving.size:
-            self.values = stuck_multipliers(model, omega)
             return
-        self._period = Period(model, steps, moving, omega)
+        base = self._with_touches(np.zeros(self.n_touches, dtype=bool))
+        self._period = Period(model, base, moving, omega)
         self._scale = self._period.scale(model, omega)[:, None]
-        self._neutral = neutral_disturbances(model, steps, moving, sticks, omega, self._scale[:, 0])
-        if self._period.size <= DENSE_SIZE:
-            self._basis = np.eye(self._period.size)
-            values, vectors = np.linalg.eig(self._march(self._basis))
+        self._look_at_touches(model)
+        size = self._period.size
+        # All states, or those of the structure, from which the iteration starts whatever the sliders do.
+        first = size if size <= DENSE_SIZE else 2 * model.frequency.size
+        end, change = self._marched(np.eye(size, first + self.n_touches), pushed=True)
+        self._first: tuple[FloatArray, FloatArray] = end[:, :first], change[:, :first]
+        self._pushed, self._change_of_pushes = end[:, first:], change[:, first:]
+
+    @property
+    def n_touches(self) -> int:
+        """Number t of touches."""
+        return self.limits.step.size
+
+    def modes(self, follow: BoolArray) -> DisturbanceModes:
+        """Those if the sliders of touching pairs ``follow`` (t,) at some touches and stick else."""
+        key = follow.tobytes()
+        if key not in self._known:
+            self._known[key] = self._modes(follow)
+        return self._known[key]
+
+    def _modes(self, follow: BoolArray) -> DisturbanceModes:
+        if self._period is None:
+            values = stuck_multipliers(self._model, self._omega)
+            return DisturbanceModes(values, np.zeros((0, values.size), dtype=complex))
+        neutral = neutral_disturbances(
+            self._model, self._with_touches(follow), self._moving, self._sticks, self._omega, self._scale[:, 0]
+        )
+
+        def followed(end: FloatArray, change: FloatArray) -> FloatArray:
+            return neutral.after(end + self._pushed[:, follow] @ self._pushes(change, follow))
+
+        def march(states: FloatArray) -> FloatArray:
+            return followed(*self._base(neutral.before(states)))
+
+        if self._has_all:
+            values, vectors = np.linalg.eig(march(np.eye(self._period.size)))
         else:
-            values, vectors, self._basis = _largest(self._march, self._period.size, 2 * model.frequency.size)
+            values, vectors = _largest(march, followed(*self._first))
+        vectors = neutral.before(vectors)
         order = np.argsort(-np.abs(values), kind="stable")
-        self.values, self._vectors = values[order].astype(complex), vectors[:, order]
+        return DisturbanceModes(values[order].astype(complex), vectors[:, order].astype(complex))
 
-    def relative_motion(self, places: IndexArray, samples: IndexArray, pairs: IndexArray) -> FloatArray:
-        """(s, q, 3, c) relative displacements of q pairs at ``samples`` 1 to n, ascending, in the disturbances of c
-        real multipliers, which have these ``places`` among the values. A pair must deviate from its springs."""
-        assert self._period is not None
-        disturbances = self._basis @ self._vectors[:, places].real
-        both = self._period.displacements(self._scale * self._neutral.before(disturbances), samples)
-        rows = (3 * pairs[:, None] + np.arange(3)).ravel()
-        return np.asarray((self._contact[rows] @ both).reshape(samples.size, pairs.size, 3, -1))
+    def changes(self, states: FloatArray, follow: BoolArray) -> FloatArray:
+        """(t, c) changes of traction at the touches in disturbances ``states`` (size, c) whose sliders ``follow`` (t,)
+        at some: those at these touches, and those that following would cause at the others; over the root of the
+        spring, as the states of length 1 are of energy 1."""
+        change = self._base(states)[1]
+        return change + self._change_of_pushes[:, follow] @ self._pushes(change, follow)
 
-    def _march(self, scaled: FloatArray) -> FloatArray:
+    def _pushes(self, change: FloatArray, follow: BoolArray) -> FloatArray:
+        """Pushes by sliders that ``follow``, from the changes (t, c) without them."""
+        seen = self._change_of_pushes[np.ix_(follow, follow)]
+        return np.asarray(np.linalg.solve(np.eye(len(seen)) - seen, change[follow]))
+
+    def _base(self, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """States (size, c) after a period in which all touching pairs stick, and the changes (t, c) they would see."""
+        if self._has_all:
+            return self._first[0] @ states, self._first[1] @ states
+        return self._marched(states, pushed=False)
+
+    @property
+    def _has_all(self) -> bool:
+        """Whether the march of each state is known."""
+        return bool(len(self._pushed) == self._first[0].shape[1])
+
+    def _with_touches(self, follow: BoolArray) -> LinearSteps:
+        return self.limits.changed(self._steps, self._springs, follow) if self.n_touches else self._steps
+
+    def _look_at_touches(self, model: StabilityModel) -> None:
+        """What of the changes at touches the displacements there cause."""
+        limits = self.limits
+        contact = np.hstack([model.near_contact, model.far_contact]).reshape(len(model.springs), 3, -1)
+        here = contact[self._moving[limits.pair]]
+        self._samples = np.unique(np.concatenate([limits.step, np.maximum(limits.step - 1, 1)]))
+        self._of_end = np.einsum("ta,tas->ts", limits.by_end, here)
+        self._of_start = np.einsum("ta,tas->ts", limits.by_start, here)
+
+    def _marched(self, states: FloatArray, pushed: bool) -> tuple[FloatArray, FloatArray]:
+        """As :meth:`_base` by a march; with a push of unit size at each touch in the last t columns if ``pushed``."""
         assert self._period is not None
-        moved = self._period.march(self._scale * self._neutral.before(scaled)) / self._scale
-        return self._neutral.after(moved)
+        limits, count = self.limits, self.n_touches if pushed else 0
+        push = limits.unit[:, None] * limits.direction
+        start = self._scale * states
+        start[:, start.shape[1] - count :] = 0.0
+        end, seen = self._period.march_with_pushes(
+            start, self._samples, limits.step[:count], limits.pair[:count], push[:count]
+        )
+        p = self._model.frequency.size
+        first = np.vstack([start[:p], start[2 * p : 2 * p + seen.shape[1] - p]])
+        memory = start[len(start) - 2 * self._moving.size :].reshape(self._moving.size, 2, -1)
+        change = np.empty((self.n_touches, states.shape[1]))
+        for touch, step in enumerate(limits.step):
+            place = int(np.searchsorted(self._samples, step))
+            before = first if step == 1 else seen[place - 1]
+            change[touch] = self._of_end[touch] @ seen[place] + self._of_start[touch] @ before
+            change[touch] += limits.by_memory[touch] @ memory[limits.pair[touch]]
+        # A push remains in the memory of its pair.
+        for one in range(count):
+            later = np.flatnonzero((limits.pair == limits.pair[one]) & (limits.step > limits.step[one]))
+            change[later, states.shape[1] - count + one] += limits.by_memory[later] @ push[one]
+        return end / self._scale, change / limits.unit[:, None]
+
+
+def is_real(values: ComplexArray) -> BoolArray:
+    """Which of some multipliers are real."""
+    return np.asarray(np.abs(values.imag) <= REAL * np.abs(values))
 
 
 def stuck_multipliers(model: StabilityModel, omega: float) -> ComplexArray:
@@ -97,16 +213,19 @@ def stuck_multipliers(model: StabilityModel, omega: float) -> ComplexArray:
     return np.asarray(values[np.argsort(-np.abs(values), kind="stable")], dtype=complex)
 
 
-def _states_of(steps: LinearSteps, moving: IndexArray, springs: FloatArray) -> tuple[LinearSteps, IndexArray]:
+def _states_of(
+    steps: LinearSteps, moving: IndexArray, touching: BoolArray, springs: FloatArray
+) -> tuple[LinearSteps, IndexArray]:
     """The steps of those of the ``moving`` pairs that deviate from their resting ``springs``, and their places there.
 
-    A direction that sticks through the period loses its memory: its force is that of its spring, without a state.
+    A direction that sticks through the period loses its memory, unless its pair is ``touching`` in the other one: its
+    force is that of its spring, without a state.
     """
     parts = LinearSteps(*(np.take(each, moving, axis=1) for each in _arrays(steps)))
     for axis in range(2):
         unit = np.zeros(2)
         unit[axis] = 1.0
-        sticks = np.flatnonzero((parts.keep[:, :, axis] == unit).all(axis=(0, 2)))
+        sticks = np.flatnonzero((parts.keep[:, :, axis] == unit).all(axis=(0, 2)) & ~touching)
         parts.keep[:, sticks, axis], parts.by_start[:, sticks, axis] = 0.0, 0.0
         parts.by_end[:, sticks, axis] = 0.0
         parts.by_end[:, sticks, axis, axis] = springs[moving[sticks], axis]
@@ -125,17 +244,14 @@ def _arrays(steps: LinearSteps) -> tuple[FloatArray, ...]:
     return steps.keep, steps.by_end, steps.by_start, steps.normal
 
 
-def _largest(march: Marching, size: int, count: int) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-    """The largest eigenvalues, their eigenvectors in a basis, and this basis, by a block Krylov iteration (Y. Saad,
-    Numerical Methods for Large Eigenvalue Problems, 2011, sec. 6.2), started from disturbances of the ``count`` states
-    of the structure.
+def _largest(march: Marching, first: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """The largest eigenvalues and their eigenvectors, by a block Krylov iteration (Y. Saad, Numerical Methods for Large
+    Eigenvalue Problems, 2011, sec. 6.2), started from the ``first`` march, that of the states of the structure.
 
     Sliders forget within a period, so one march leads from there nearly into the space of the largest multipliers.
     """
-    start = np.zeros((size, count))
-    start[:count] = np.eye(count)
-    block = _orthonormal(march(start), 0.0)
-    basis = image = np.zeros((size, 0))
+    block = _orthonormal(first, 0.0)
+    basis = image = np.zeros((len(first), 0))
     values, vectors = np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex)
     for _ in range(MOST_BLOCKS):
         basis, image = np.hstack([basis, block]), np.hstack([image, march(block)])
@@ -150,7 +266,7 @@ def _largest(march: Marching, size: int, count: int) -> tuple[ComplexArray, Comp
         block, _ = np.linalg.qr(block - basis @ (basis.T @ block))
         if not block.size:
             break
-    return values, vectors, basis
+    return values, np.asarray(basis @ vectors)
 
 
 def _orthonormal(block: FloatArray, size: float) -> FloatArray:

@@ -146,15 +146,22 @@ class Period:
 
     def march(self, states: FloatArray) -> FloatArray:
         """States (size, c) one period later."""
-        return self._marched(states, np.zeros(0, dtype=np.int64))[0]
+        none = np.zeros(0, dtype=np.int64)
+        return self.march_with_pushes(states, none, none, none, np.zeros((0, 2)))[0]
 
-    def displacements(self, states: FloatArray, samples: IndexArray) -> FloatArray:
-        """(s, p + r, c) near coordinates and far patterns of states (size, c) at ``samples`` from 1 to n, ascending."""
-        return self._marched(states, samples)[1]
+    def march_with_pushes(
+        self, states: FloatArray, samples: IndexArray, step: IndexArray, pair: IndexArray, push: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """States (size, c) one period later, and (s, p + r, c) the near coordinates and far patterns at ``samples``
+        from 1 to n, ascending.
 
-    def _marched(self, states: FloatArray, samples: IndexArray) -> tuple[FloatArray, FloatArray]:
+        In the last t columns one deviation each gets a ``push`` (t, 2) N in a ``step`` (t,), 1 to n, ascending; such a
+        ``pair`` (t,) must stick through the period.
+        """
         seen = np.empty((samples.size, self._p + self._r, states.shape[1]))
-        end: FloatArray = _march(np.ascontiguousarray(states), samples, seen, self._p, *self._arguments)
+        end: FloatArray = _march(
+            np.ascontiguousarray(states), samples, seen, step, pair, push, self._p, *self._arguments
+        )
         return end, seen
 
 
@@ -247,6 +254,9 @@ def _march(
     start: FloatArray,
     samples: IndexArray,
     seen: FloatArray,
+    pushed_step: IndexArray,
+    pushed_pair: IndexArray,
+    push: FloatArray,
     p: int,
     contact: FloatArray,
     kinds: KindArray,
@@ -263,7 +273,7 @@ def _march(
     which: IndexArray,
 ) -> FloatArray:
     """States (size, c) one period after ``start``, which is at sample 0; fills the displacements ``seen`` (s, size, c)
-    at some ``samples`` (s,)."""
+    at some ``samples`` (s,); pushes pairs that stay, in the last columns."""
     n, pairs, size, columns = normal.shape[0], normal.shape[1], contact.shape[2], start.shape[1]
     # Constants of another type: numba would compile _copy for each of them.
     zero, one, two, three = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
@@ -283,7 +293,7 @@ def _march(
     state = np.empty((3 * p, columns))
     _copy(start, zero, 2 * p, 1.0, state, zero)
     _copy(_gathered(directions, values, 3 * pairs), zero, p, -1.0, state, 2 * p)
-    place, count = 0, 0
+    place, pushes, count = 0, 0, 0
     for pair in range(pairs):
         if kinds[1 % n, pair] == STAYS:
             _copy(directions, 3 * pair, two, 1.0, rows, count)
@@ -293,6 +303,13 @@ def _march(
         staying += _gathered(rows, values, count)
     for step in range(1, n + 1):
         j, after = step % n, (step + 1) % n
+        while pushes < len(pushed_step) and pushed_step[pushes] == step:
+            pair, column = pushed_pair[pushes], columns - len(pushed_step) + pushes
+            for a in range(2):
+                memory[2 * pair + a, column] += push[pushes, a]
+                for row in range(size):
+                    staying[row, column] += push[pushes, a] * directions[3 * pair + a, row]
+            pushes += 1
         # What the deviations at the end do not depend on.
         count = 0
         for pair in range(pairs):

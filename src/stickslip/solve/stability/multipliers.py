@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
+from stickslip.contact.law.law import BoolArray, ContactCycle, ContactState
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray
@@ -16,12 +16,8 @@ from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.stability.contact_steps import linear_steps
 from stickslip.solve.stability.disturbances import ComplexArray, Disturbances, stuck_multipliers
 from stickslip.solve.stability.model import StabilityModel
-from stickslip.solve.stability.touched_limits import TouchedLimits
+from stickslip.solve.stability.one_sided import GROWS, growing, growing_to_one_side, is_to_one_side
 
-# The relative imaginary part below which a multiplier is real.
-REAL = 1e-7
-# chosen: a smaller growth in a period is within the error of the samples.
-GROWS = 1e-3
 # A pair that slips by less than this fraction of its motion sticks under a disturbance of 1 %, and its slip is often
 # within what the harmonics neglect: at 3e-5 time integration leaves a motion with multipliers inside of the circle by
 # the 1.058 of a structure in which the pair sticks (test_touching_pairs.py).
@@ -51,78 +47,87 @@ class PointMultipliers:
         self._model, self._pairs, self._trial = model, pairs, trial
         self._moving = np.flatnonzero(trial.contact.moves.any(axis=1))
         self._touching = self._moving[:0]
-        self._sticking: Disturbances | None = None
         self.is_held_by_touches = False
         if not self._moving.size:
             self.values = stuck_multipliers(model, trial.omega)
             return
         self._motion = _motion(pairs, trial, samples)
         self._steps = linear_steps(pairs, self._motion)
-        stuck = self._moving[trial.contact.state[self._moving] == ContactState.STUCK]
-        self._touching = stuck[self._steps.keep[:, stuck].any(axis=(0, 2, 3))]
-        self.values = self._disturbances(self._steps).values
-        to_one_side = _is_to_one_side(self.values)
+        self._sticks = trial.contact.state[self._moving] == ContactState.STUCK
+        touching = self._sticks & (self._steps.keep[:, self._moving] != np.eye(2)).any(axis=(0, 2, 3))
+        self._touching = self._moving[touching]
+        self._disturbances = self._of(self._steps, touching)
+        self.values = self._disturbances.modes(~self._nowhere).values
+        to_one_side = is_to_one_side(self.values)
         if self._touching.size and (np.abs(self.values[~to_one_side]) > 1.0).any():
-            sticking = self._if_touching_stick().values
+            sticking = self._disturbances.modes(self._nowhere).values
             self.is_held_by_touches = True
-            self.values = _sorted(np.concatenate([self.values[to_one_side], sticking[~_is_to_one_side(sticking)]]))
+            self.values = _sorted(np.concatenate([self.values[to_one_side], sticking[~is_to_one_side(sticking)]]))
 
     def growing_while_stuck(self) -> tuple[ComplexArray, bool]:
         """Multipliers outside of the circle, beyond round-off, of a structure in which touching pairs stick, and
         whether the verdict is in doubt.
 
         A disturbance that takes these pairs away from their limits meets such a structure, of which ``values``, whose
-        sliders follow, say nothing. If with one sign a real one comes to no limit, it grows. If with both signs it
-        does, a limit may hold it. One that changes its sign or rotates grows; that of sliders that follow does not, so
-        the verdict depends on the size of the disturbance. One that is larger than the slip of pairs meets a structure
-        in which these stick too.
+        sliders follow, say nothing. If with one sign a real one exceeds exactly the limits at which sliders follow it,
+        or none, it grows. If it grows where all stick, but exceeds others, a limit may hold it. One that changes its
+        sign or rotates grows; that of sliders that follow does not, so the verdict depends on the size of the
+        disturbance. One that is larger than the slip of pairs meets a structure in which these stick too.
         """
         certain, in_doubt = np.zeros(0, dtype=complex), False
         if not self._moving.size:
             return certain, in_doubt
-        cycle = self._pairs.cycle(self._motion)
         if self._touching.size:
-            sticking = self._if_touching_stick()
-            growing = _growing(sticking.values)
-            if growing.size:
-                limits = TouchedLimits.of(self._pairs, cycle, self._steps, self._touching)
-                motion = sticking.relative_motion(growing, limits.samples, limits.pairs)
-                leave = limits.is_left_by(motion, sticking.values[growing].real)
-                certain, in_doubt = sticking.values[growing[leave]], in_doubt or not leave.all()
-            others = sticking.values[~_is_to_one_side(sticking.values)]
+            sticking = self._disturbances.modes(self._nowhere).values
+            certain = self._growing_to_one_side()
+            in_doubt = bool(growing(sticking).size) and not certain.size
+            others = sticking[~is_to_one_side(sticking)]
             others = others[np.abs(others) > 1.0 + GROWS]
             certain, in_doubt = np.concatenate([certain, others]), in_doubt or others.size > 0
         if not certain.size and not in_doubt:
-            barely = self._barely_slipping(cycle.slider)
+            barely = self._barely_slipping()
             if barely.any():
                 barely[self._touching] = True
-                values = self._if_they_stick(barely).values
+                values = self._if_they_stick(barely)
                 in_doubt = bool((np.abs(values) > 1.0 + GROWS).any())
         return certain, in_doubt
 
-    def _disturbances(self, steps: LinearSteps) -> Disturbances:
-        sticks = self._trial.contact.state[self._moving] == ContactState.STUCK
-        return Disturbances(self._model, steps, self._moving, sticks, self._trial.omega)
+    def grows_in_doubt(self) -> bool:
+        """Whether multipliers of sliders that follow grow beyond round-off, but no disturbance with one sign exceeds
+        exactly the limits at which they follow it."""
+        if not self._touching.size or not growing(self._disturbances.modes(~self._nowhere).values).size:
+            return False
+        return not self._growing_to_one_side().size
 
-    def _if_touching_stick(self) -> Disturbances:
-        """The disturbances if touching pairs stick through the period."""
-        if self._sticking is None:
-            directions = np.zeros((self._pairs.n_pairs, 2), dtype=bool)
-            directions[self._touching] = True
-            self._sticking = self._if_they_stick(directions)
-        return self._sticking
+    def _of(self, steps: LinearSteps, touching: BoolArray) -> Disturbances:
+        return Disturbances(self._model, steps, self._moving, self._sticks, touching, self._trial.omega)
 
-    def _if_they_stick(self, directions: BoolArray) -> Disturbances:
-        """The disturbances if pairs stick through the period in some ``directions`` (n_pairs, 2)."""
+    @property
+    def _nowhere(self) -> BoolArray:
+        """(t,) the choice of touches at which sliders follow: none."""
+        return np.zeros(self._disturbances.n_touches, dtype=bool)
+
+    @cached_property
+    def _cycle(self) -> ContactCycle:
+        """The periodic state."""
+        return self._pairs.cycle(self._motion)
+
+    def _growing_to_one_side(self) -> ComplexArray:
+        sense = self._disturbances.limits.sense(self._cycle.force[:, self._disturbances.pairs, :2])
+        return growing_to_one_side(self._disturbances, sense)
+
+    def _if_they_stick(self, directions: BoolArray) -> ComplexArray:
+        """The multipliers if pairs stick through the period in some ``directions`` (n_pairs, 2)."""
         keep = self._steps.keep.copy()
         pairs, axes = np.nonzero(directions)
         keep[:, pairs, axes] = np.eye(2)[axes]
-        return self._disturbances(replace(self._steps, keep=keep))
+        disturbances = self._of(replace(self._steps, keep=keep), np.zeros(self._moving.size, dtype=bool))
+        return disturbances.modes(np.zeros(0, dtype=bool)).values
 
-    def _barely_slipping(self, slider: FloatArray) -> BoolArray:
+    def _barely_slipping(self) -> BoolArray:
         """(n_pairs, 2) directions in which pairs that move slip by less than BARELY of their motion: both of a pair, or
         those of a law whose directions do not know of each other."""
-        way, size = np.ptp(slider, axis=0), np.ptp(self._motion[:, :, :2], axis=0)
+        way, size = np.ptp(self._cycle.slider, axis=0), np.ptp(self._motion[:, :, :2], axis=0)
         slips = self._moving[self._trial.contact.state[self._moving] == ContactState.STICK_SLIP]
         answer = np.zeros(way.shape, dtype=bool)
         answer[slips] = (way[slips].max(axis=1) < BARELY * size[slips].max(axis=1))[:, None]
@@ -130,11 +135,6 @@ class PointMultipliers:
         apart = slips[~coupling.any(axis=(0, 2))]
         answer[apart] |= way[apart] < BARELY * size[apart]
         return answer
-
-
-def _growing(values: ComplexArray) -> IndexArray:
-    """The places of multipliers of disturbances that grow to one side."""
-    return np.flatnonzero(_is_to_one_side(values) & (values.real > 1.0 + GROWS))
 
 
 def _motion(pairs: ContactPairs, trial: Trial, samples: int) -> FloatArray:
@@ -147,13 +147,3 @@ def _motion(pairs: ContactPairs, trial: Trial, samples: int) -> FloatArray:
 def _sorted(values: ComplexArray) -> ComplexArray:
     """The largest first."""
     return values[np.argsort(-np.abs(values), kind="stable")]
-
-
-def _is_to_one_side(values: ComplexArray) -> NDArray[np.bool_]:
-    """Which multipliers are those of a disturbance that remains on one side: real ones above 0."""
-    return is_real(values) & (values.real > 0.0)
-
-
-def is_real(values: ComplexArray) -> NDArray[np.bool_]:
-    """Which of some multipliers are real."""
-    return np.asarray(np.abs(values.imag) <= REAL * np.abs(values))

@@ -93,12 +93,15 @@ def _conserved(steps: LinearSteps, springs: FloatArray, accuracy: FloatArray) ->
 
 def _smallest(changes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Squares (k, 2), ascending, of what changes (n, k, 2, c) do to combinations of both rows, and these (k, 2, 2)."""
-    squares, directions = np.linalg.eigh(np.einsum("nkac,nkbc->kab", changes, changes, optimize=True))
+    rows = changes.transpose(1, 2, 0, 3).reshape(changes.shape[1], 2, changes.shape[0] * changes.shape[3])
+    squares, directions = np.linalg.eigh(rows @ rows.transpose(0, 2, 1))
     return squares, directions
 
 
 def _free_motions(model: StabilityModel, steps: LinearSteps, moving: IndexArray, omega: float) -> FloatArray:
     """(size, b) states of displacements that no spring resists, with the sliders moved along."""
+    if not model.free.size:
+        return np.zeros((2 * model.frequency.size + model.far_contact.shape[1] + 2 * moving.size, 0))
     relative = (model.near_contact @ model.free).reshape(*model.springs.shape, model.free.shape[1])
     slides = (steps.by_end[..., :2] == -steps.by_start[..., :2]).all(axis=(0, 2))
     # The largest stiffness of each direction against a constant displacement: none where sliders follow.

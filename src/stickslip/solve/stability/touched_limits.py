@@ -1,12 +1,13 @@
-"""Where stuck pairs touch their friction limit, and whether a disturbance goes beyond it there.
+"""Where stuck pairs touch their friction limit: what a disturbance changes there if their sliders follow.
 
-A touching pair that sticks has the traction ``T + k dx``. It slips where the law gives it another one, so that with the
-step of the law at a touch (:mod:`stickslip.contact.law.linear_steps`)
+A touching pair that sticks has the traction ``T_(j-1) + k (dx_j - dx_(j-1))``. Where its slider follows, the law gives
+it another one. With the deviation d of the traction from the resting springs and the step of the law at a touch
+(:mod:`stickslip.contact.law.linear_steps`) the difference is
 
-    c = (keep_j - 1) k dx_(j-1) + (by_end_j - k) dx_j + (by_start_j + k) dx_(j-1)
+    c_j = (keep_j - 1) d_(j-1) + (by_end_j - k) dx_j + (by_start_j + keep_j k) dx_(j-1)
 
-the disturbance dx exceeds the limit if c is against the traction T_j, because slip takes traction away, and moves away
-from the limit if c has the direction of T_j.
+Slip takes traction away: the slider follows if c_j is against the traction, and the disturbance moves away from the
+limit if it has the direction of the traction.
 """
 
 from __future__ import annotations
@@ -15,77 +16,78 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.law import BoolArray, ContactCycle, IndexArray
+from stickslip.contact.law.law import BoolArray, IndexArray
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.validation import FloatArray
 
-# A traction that a disturbance brings beyond a limit by this fraction of its own change does not slip: round-off.
-BEYOND = 1e-6
+# A direction in which the step of a touch changes less than this fraction of the spring is round-off; pairs that the
+# solution calls stuck may creep by 2e-5 of their motion (:mod:`stickslip.solve.stability.neutral`).
+CHANGES = 1e-4
 
 
 @dataclass(frozen=True)
 class TouchedLimits:
-    """The touches of t steps with their pairs.
+    """The touches of t steps, in their order in the period, each in one direction.
 
     Attributes
     ----------
-    pairs:
-        (q,) the touching pairs.
-    samples:
-        (s,) samples 1 to n, sorted, at which displacements are required.
-    before, here, place:
-        (t,) places in ``samples`` of the start and the end of each step, and of the pair in ``pairs``; the start of the
-        first step is the end of the period before, -1.
-    keep, by_end, by_start:
-        (t, 2, 2), (t, 2, 3), (t, 2, 3) N/m of each step.
-    traction:
-        (t, 2) N at its end.
-    springs:
-        (t, 2) N/m of the stuck pair.
+    step:
+        (t,) 1 to n, the sample at which the step ends; n is sample 0 of the next period.
+    pair:
+        (t,) places among the k pairs of the steps.
+    direction:
+        (t, 2) unit vectors along which a slider that follows changes the traction.
+    unit:
+        (t,) root of N/m: a change of the traction over it is the root of an energy.
+    by_memory, by_end, by_start:
+        (t, 2), (t, 3), (t, 3) what of the change the deviation before the step and the displacements after and before
+        it cause.
     """
 
-    pairs: IndexArray
-    samples: IndexArray
-    before: IndexArray
-    here: IndexArray
-    place: IndexArray
-    keep: FloatArray
+    step: IndexArray
+    pair: IndexArray
+    direction: FloatArray
+    unit: FloatArray
+    by_memory: FloatArray
     by_end: FloatArray
     by_start: FloatArray
-    traction: FloatArray
-    springs: FloatArray
 
     @classmethod
-    def of(cls, pairs: ContactPairs, cycle: ContactCycle, steps: LinearSteps, touching: IndexArray) -> TouchedLimits:
-        """Those of the pairs ``touching`` (q,) in a ``cycle`` of all pairs."""
-        count = len(cycle.force)
-        touched = (steps.keep[:, touching] != np.eye(2)).any(axis=(2, 3))
-        step, place = np.nonzero(touched)
-        which = touching[place]
-        end = np.where(step == 0, count, step)
-        samples = np.unique(np.concatenate([end, np.where(end == 1, count, end - 1)]))
-        before = np.where(end == 1, -1, np.searchsorted(samples, end - 1))
-        traction = cycle.force[step, which, :2]
-        springs = pairs.resting_stiffness().reshape(-1, 3)[which, :2]
+    def of(cls, steps: LinearSteps, touching: IndexArray, springs: FloatArray) -> TouchedLimits:
+        """Those of the pairs ``touching`` (q,) among the k of ``steps`` with resting ``springs`` (k, 3) N/m."""
+        one = np.eye(2)
+        step, place = np.nonzero((steps.keep[:, touching] != one).any(axis=(2, 3)))
+        step[step == 0] = len(steps.keep)
+        order = np.argsort(step, kind="stable")
+        step, pair = step[order], touching[place[order]]
+        at = step % len(steps.keep)
+        own = np.zeros((step.size, 2, 3))
+        own[:, (0, 1), (0, 1)] = springs[pair, :2]
+        keep, unit = steps.keep[at, pair], np.sqrt(np.maximum(springs[pair, :2].max(axis=1), np.finfo(float).tiny))
+        change = [keep - one, steps.by_end[at, pair] - own, steps.by_start[at, pair] + keep @ own]
+        whole = np.concatenate([change[0], *(each / unit[:, None, None] ** 2 for each in change[1:])], axis=2)
+        directions, sizes, _ = np.linalg.svd(whole, full_matrices=False)
+        touch, which = np.nonzero(sizes > CHANGES)
+        direction = directions[touch, :, which]
         return cls(
-            touching, samples, before, np.searchsorted(samples, end), place,
-            steps.keep[step, which], steps.by_end[step, which], steps.by_start[step, which], traction, springs,
+            step[touch], pair[touch], direction, unit[touch],
+            *(np.einsum("ta,tab->tb", direction, each[touch]) for each in change),
         )  # fmt: skip
 
-    def is_left_by(self, motion: FloatArray, multipliers: FloatArray) -> BoolArray:
-        """(c,) whether with one sign a disturbance comes to no limit.
+    def sense(self, traction: FloatArray) -> FloatArray:
+        """(t,) the sign of the change by a slider that follows, 0 if it has none, from the ``traction`` (n, k, 2) N of
+        the motion."""
+        here = traction[self.step % len(traction), self.pair]
+        return np.asarray(-np.sign(np.einsum("ta,ta->t", here, self.direction)))
 
-        ``motion`` (s, q, 3, c) m is that of c disturbances in which these pairs stick, ``multipliers`` (c,) are their
-        growth in the period.
-        """
-        end = motion[self.here, self.place]
-        start = motion[self.before, self.place]
-        start[self.before == -1] /= multipliers
-        springs = self.springs[:, :, None]
-        kept = springs * start[:, :2]
-        change = self.keep @ kept - springs * end[:, :2] + self.by_end @ end + self.by_start @ start
-        loss = -np.einsum("ta,tac->tc", self.traction, change)
-        size = np.linalg.norm(self.traction, axis=1)[:, None] * np.linalg.norm(springs * end[:, :2], axis=1)
-        exceeds = [(sign * loss > BEYOND * size).any(axis=0) for sign in (1.0, -1.0)]
-        return np.asarray(~exceeds[0] | ~exceeds[1])
+    def changed(self, steps: LinearSteps, springs: FloatArray, follow: BoolArray) -> LinearSteps:
+        """The ``steps`` with pairs that stick but where their sliders ``follow`` (t,)."""
+        keep, by_end, by_start = steps.keep.copy(), steps.by_end.copy(), steps.by_start.copy()
+        pairs = np.unique(self.pair)
+        keep[:, pairs], by_end[:, pairs], by_start[:, pairs] = np.eye(2), 0.0, 0.0
+        for axis in range(2):
+            by_end[:, pairs, axis, axis], by_start[:, pairs, axis, axis] = springs[pairs, axis], -springs[pairs, axis]
+        at, pair = self.step[follow] % len(keep), self.pair[follow]
+        keep[at, pair], by_end[at, pair] = steps.keep[at, pair], steps.by_end[at, pair]
+        by_start[at, pair] = steps.by_start[at, pair]
+        return LinearSteps(keep, by_end, by_start, steps.normal)

@@ -9,8 +9,7 @@ import numpy as np
 
 from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
-from stickslip.solve.stability.disturbances import SMALLEST_SIZE, ComplexArray
-from stickslip.solve.stability.multipliers import is_real
+from stickslip.solve.stability.disturbances import SMALLEST_SIZE, ComplexArray, is_real
 
 # A point with a larger multiplier is unstable whatever the error by samples, so it needs no second number of samples:
 # its others, near the circle, change no verdict, only where their numbers change along an unstable part.
