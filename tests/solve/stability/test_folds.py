@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from stickslip.core.validation import FloatArray
-from stickslip.solve.stability.folds import FOLD_MARGIN, NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
+from stickslip.solve.stability.folds import (
+    FOLD_MARGIN,
+    NEAR_FOLD,
+    Fold,
+    beside_folds_without_change,
+    doubtful_range,
+    folds_of,
+    sided_counts,
+)
 
 EITHER = range(2)  # possible numbers of multipliers above 1 of a doubtful point
 OMEGA: FloatArray = np.array([10.0 - (place - 2.25) ** 2 for place in range(5)])
@@ -58,3 +66,30 @@ def test_a_wrinkle_of_an_unstable_part_is_unstable() -> None:
     folds = [Fold(1.5, 10.0, 0.08), Fold(3.5, 9.0, 0.08)]
     near_one = [False, False, False, True, False, False]
     assert sided_counts([1, 1, 1, 0, 1, 1], [EITHER] * 6, near_one, folds) == [1] * 6
+
+
+def places(positive: list[int], *folds: float) -> list[int]:
+    """Points of doubtful stability beside the folds at these positions."""
+    answer = beside_folds_without_change(
+        positive, np.array([not each for each in positive]), [Fold(position, 10.0, 0.1) for position in folds]
+    )
+    return np.flatnonzero(answer).tolist()
+
+
+def test_folds_at_which_the_number_changes_leave_no_doubt() -> None:
+    assert places([0, 0, 0, 1, 1, 1, 0, 0, 0], 2.4, 5.6) == []
+
+
+def test_a_change_that_comes_too_late_leaves_the_points_before_it_in_doubt() -> None:
+    """Longer than the side before the fold, which begins with the curve."""
+    assert places([0] * 10 + [1] * 4, 3.4) == [4, 5, 6, 7, 8, 9]
+    assert places([1] * 4 + [0] * 10, 9.6) == [4, 5, 6, 7, 8, 9]
+
+
+def test_a_wrinkle_without_any_change_is_in_doubt_and_not_what_surrounds_it() -> None:
+    assert places([0] * 12, 4.5, 7.5) == [5, 6, 7]
+
+
+def test_a_fold_alone_leaves_its_shorter_side_in_doubt() -> None:
+    assert places([0] * 12, 8.5) == [9, 10, 11]
+    assert places([1] * 12, 8.5) == []  # an unstable point is unstable on both sides

@@ -25,10 +25,7 @@ class OneDirection:
 
     def modes(self, follow: np.ndarray) -> DisturbanceModes:
         self.asked.append(tuple(follow.tolist()))
-        return DisturbanceModes(np.array([self.multipliers[self.asked[-1]]], dtype=complex), np.ones((1, 1), complex))
-
-    def changes(self, states: np.ndarray, follow: np.ndarray) -> np.ndarray:
-        return np.asarray(np.ones((2, 1)) * states)
+        return DisturbanceModes(np.array([self.multipliers[self.asked[-1]]], dtype=complex), np.ones((2, 1), complex))
 
 
 def test_a_choice_between_none_and_all_may_grow_alone() -> None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.law import BoolArray
+from stickslip.contact.law.law import BoolArray, IndexArray
 from stickslip.core.fourier import with_rows
 from stickslip.core.threads import in_shares
 from stickslip.core.validation import FloatArray
@@ -24,7 +24,15 @@ from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
 from stickslip.solve.stability.disturbances import ComplexArray, is_real, stuck_multipliers
-from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
+from stickslip.solve.stability.folds import (
+    NEAR_FOLD,
+    Fold,
+    beside_folds_without_change,
+    doubtful_range,
+    folds_of,
+    sided_counts,
+    turns_at,
+)
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
 from stickslip.solve.stability.multipliers import BARELY, PointMultipliers
@@ -58,7 +66,8 @@ class CurveStability:
         (n,) points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
         computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers. Also
         points with multipliers inside of the circle that a disturbance away from a touched limit, or one that is larger
-        than the slip of pairs, may leave; and points beside unstable ones whose touching pairs slip there.
+        than the slip of pairs, may leave; points beside folds at which no multiplier passes 1; and points near these
+        and unstable ones whose pairs touch limits, or nearly so, and slip there.
     unconfirmed:
         (n,) points at which the motion corrected with more harmonics has another verdict, multipliers that more
         harmonics still move as far as the circle, or is not known.
@@ -135,8 +144,10 @@ def curve_stability(
     counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]
     unsure = [verdict.undecided or own != any(each) for verdict, own, each in zip(verdicts, alone, counts, strict=True)]
     stable = np.array([not any(each) for each in counts])
-    held = np.array([verdict.is_held_by_touches for verdict in verdicts]) & stable
-    reach = [bool(each) and _reaches_unstable(trials, stable, point) for point, each in enumerate(held)]
+    held = np.array([verdict.is_held_by_limits for verdict in verdicts]) & stable
+    unexplained = beside_folds_without_change(positive, stable, folds)
+    others = np.flatnonzero(~stable | unexplained)
+    reach = [bool(each) and _reaches(trials, others, point) for point, each in enumerate(held)]
 
     def confirms(points: Sequence[int]) -> list[bool]:
         assert correction is not None
@@ -155,20 +166,19 @@ def curve_stability(
         stable,
         table,
         tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
-        np.array(unsure) | reach,
+        np.array(unsure) | unexplained | reach,
         unconfirmed,
         max((fold.error for fold in folds if _changes_at(fold, positive)), default=0.0),
     )
 
 
-def _reaches_unstable(trials: Sequence[Trial], stable: BoolArray, point: int) -> bool:
-    """Whether the nearest unstable point of the curve, on either side, is within BARELY of the motion of a point whose
-    touching pairs hold a disturbance: one of this size makes them slip as they do there."""
-    unstable = np.flatnonzero(~stable)
-    place = int(np.searchsorted(unstable, point))
+def _reaches(trials: Sequence[Trial], others: IndexArray, point: int) -> bool:
+    """Whether the nearest of ``others`` on the curve, on either side, is within BARELY of the motion of a point whose
+    pairs hold a disturbance at their limits: one of this size makes them slip as they do there."""
+    place = int(np.searchsorted(others, point))
     here = trials[point].relative[1:]
     size = BARELY * float(np.linalg.norm(here))
-    for other in unstable[max(place - 1, 0) : place + 1]:
+    for other in others[max(place - 1, 0) : place + 1]:
         there = with_rows(trials[int(other)].relative[1:], len(here))
         if float(np.linalg.norm(there - here)) <= size:
             return True
@@ -250,7 +260,8 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial, is_tested
         return replace(verdict, in_doubt=bool(grows_alone and is_tested and point.grows_in_doubt()))
     growing, in_doubt = point.growing_while_stuck()
     verdict = verdict.with_others(growing, _first_errors(growing, stuck))
-    return replace(verdict, in_doubt=in_doubt, is_held_by_touches=point.is_held_by_touches)
+    is_held = point.is_held_by_touches or point.nearly_touches
+    return replace(verdict, in_doubt=in_doubt, is_held_by_limits=is_held)
 
 
 def _first_errors(values: ComplexArray, stuck: ComplexArray) -> FloatArray:
@@ -281,7 +292,7 @@ def _bifurcation(
 ) -> Bifurcation:
     """The bifurcation between a point and the next one."""
     if kind == "fold":
-        turning = [fold for fold in folds if point - 1 <= fold.position <= point + 2]
+        turning = [fold for fold in folds if turns_at(fold, point)]
         if turning:
             fold = min(turning, key=lambda each: abs(each.position - point - 0.5))
             return Bifurcation("fold", fold.omega / (2.0 * np.pi), fold.position)

@@ -17,7 +17,7 @@ from stickslip.solve.stability.neutral import neutral_disturbances
 from stickslip.solve.stability.touched_limits import TouchedLimits
 
 ComplexArray = NDArray[np.complex128]
-Marching = Callable[[FloatArray], FloatArray]
+Marching = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 # Up to this number of states all eigenvalues are computed; chosen: the march of as many columns costs as much as the
 # first two blocks of the iteration.
@@ -40,12 +40,13 @@ class DisturbanceModes:
     ----------
     values:
         (c,) the multipliers.
-    vectors:
-        (size, c) eigenvectors in the units of the march.
+    changes:
+        (t, c) changes of traction at the touches in the eigenvectors, of energy 1: those where sliders follow, and
+        those that following would cause elsewhere; over the root of the spring, so that they are roots of energies too.
     """
 
     values: ComplexArray
-    vectors: ComplexArray
+    changes: ComplexArray
 
 
 class Disturbances:
@@ -122,26 +123,23 @@ class Disturbances:
             self._model, self._with_touches(follow), self._moving, self._sticks, self._omega, self._scale[:, 0]
         )
 
-        def followed(end: FloatArray, change: FloatArray) -> FloatArray:
-            return neutral.after(end + self._pushed[:, follow] @ self._pushes(change, follow))
+        def followed(end: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
+            pushes = self._pushes(change, follow)
+            return neutral.after(end + self._pushed[:, follow] @ pushes), (
+                change + self._change_of_pushes[:, follow] @ pushes
+            )
 
-        def march(states: FloatArray) -> FloatArray:
+        def march(states: FloatArray) -> tuple[FloatArray, FloatArray]:
             return followed(*self._base(neutral.before(states)))
 
         if self._has_all:
-            values, vectors = np.linalg.eig(march(np.eye(self._period.size)))
+            matrix, of_states = march(np.eye(self._period.size))
+            values, vectors = np.linalg.eig(matrix)
+            changes = of_states @ vectors
         else:
-            values, vectors = _largest(march, followed(*self._first))
-        vectors = neutral.before(vectors)
+            values, changes = _largest(march, followed(*self._first)[0])
         order = np.argsort(-np.abs(values), kind="stable")
-        return DisturbanceModes(values[order].astype(complex), vectors[:, order].astype(complex))
-
-    def changes(self, states: FloatArray, follow: BoolArray) -> FloatArray:
-        """(t, c) changes of traction at the touches in disturbances ``states`` (size, c) whose sliders ``follow`` (t,)
-        at some: those at these touches, and those that following would cause at the others; over the root of the
-        spring, as the states of length 1 are of energy 1."""
-        change = self._base(states)[1]
-        return change + self._change_of_pushes[:, follow] @ self._pushes(change, follow)
+        return DisturbanceModes(values[order].astype(complex), changes[:, order].astype(complex))
 
     def _pushes(self, change: FloatArray, follow: BoolArray) -> FloatArray:
         """Pushes by sliders that ``follow``, from the changes (t, c) without them."""
@@ -245,28 +243,31 @@ def _arrays(steps: LinearSteps) -> tuple[FloatArray, ...]:
 
 
 def _largest(march: Marching, first: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """The largest eigenvalues and their eigenvectors, by a block Krylov iteration (Y. Saad, Numerical Methods for Large
-    Eigenvalue Problems, 2011, sec. 6.2), started from the ``first`` march, that of the states of the structure.
+    """The largest eigenvalues, and the changes at touches in their eigenvectors, by a block Krylov iteration (Y. Saad,
+    Numerical Methods for Large Eigenvalue Problems, 2011, sec. 6.2), started from the ``first`` march, that of the
+    states of the structure.
 
     Sliders forget within a period, so one march leads from there nearly into the space of the largest multipliers.
     """
     block = _orthonormal(first, 0.0)
     basis = image = np.zeros((len(first), 0))
+    changes = []
     values, vectors = np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex)
     for _ in range(MOST_BLOCKS):
-        basis, image = np.hstack([basis, block]), np.hstack([image, march(block)])
+        moved, change = march(block)
+        basis, image = np.hstack([basis, block]), np.hstack([image, moved])
+        changes.append(change)
         values, vectors = np.linalg.eig(basis.T @ image)
         large = np.abs(values) > SMALLEST_SIZE
         errors = np.linalg.norm(image @ vectors[:, large] - basis @ (vectors[:, large] * values[large]), axis=0)
         if (errors <= RITZ_TOLERANCE).all():
             break
-        latest = image[:, -block.shape[1] :]
-        block = _orthonormal(latest - basis @ (basis.T @ latest), float(np.linalg.norm(latest)))
+        block = _orthonormal(moved - basis @ (basis.T @ moved), float(np.linalg.norm(moved)))
         # Normalising small directions brings back parts of the basis.
         block, _ = np.linalg.qr(block - basis @ (basis.T @ block))
         if not block.size:
             break
-    return values, np.asarray(basis @ vectors)
+    return values, np.asarray(np.hstack(changes) @ vectors)
 
 
 def _orthonormal(block: FloatArray, size: float) -> FloatArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.stability.disturbances import ComplexArray
 
@@ -69,6 +70,37 @@ def sided_counts(
         number = counts[min(sure, key=lambda each: abs(each - point))] if sure else int(side[point]) % 2
         answer[point] = min(max(number, possible[point][0]), possible[point][-1])
     return answer
+
+
+def beside_folds_without_change(positive: Sequence[int], stable: BoolArray, folds: Sequence[Fold]) -> BoolArray:
+    """(n,) stable points beside folds at which the numbers of real multipliers above 1 do not change.
+
+    One of both sides must have another number, if the curve turns there. Where a stuck pair comes to a second limit no
+    multiplier tells which: it jumps past 1 as soon as the pair slips, and the number changes some points later, or
+    never in the points of a wrinkle. So it is the side that ends at another such fold or at a change without a fold;
+    without one the shorter side.
+    """
+    last = len(positive) - 1
+    changes = [point for point in range(last) if positive[point] != positive[point + 1]]
+    answer = np.zeros(len(positive), dtype=bool)
+    turns = [fold.position for fold in folds if not any(turns_at(fold, point) for point in changes)]
+    free = [point for point in changes if not any(turns_at(fold, point) for fold in folds)]
+    ends = sorted([-1.0, float(last + 1), *(fold.position for fold in folds), *(point + 0.5 for point in free)])
+    unexplained = {*turns, *(point + 0.5 for point in free)}
+    for turn in turns:
+        place = ends.index(turn)
+        sides = [(ends[place - 1], turn), (turn, ends[place + 1])]
+        chosen = [
+            side for side, end in zip(sides, (ends[place - 1], ends[place + 1]), strict=True) if end in unexplained
+        ]
+        for start, stop in chosen or [min(sides, key=lambda side: side[1] - side[0])]:
+            answer[int(np.floor(start)) + 1 : int(np.ceil(stop))] = True
+    return np.asarray(answer & stable)
+
+
+def turns_at(fold: Fold, point: int) -> bool:
+    """Whether a change between a point and the next one is at a fold."""
+    return point - 1 <= fold.position <= point + 2
 
 
 def doubtful_range(point: int, folds: Sequence[Fold]) -> float:

@@ -41,6 +41,8 @@ class PointMultipliers:
         the largest first; all that matter, and often more.
     is_held_by_touches:
         whether sliders that follow would have a multiplier outside of the circle that changes its sign or rotates.
+    nearly_touches:
+        whether a disturbance of BARELY of the motion of a stuck pair takes it to a limit that it does not touch.
     """
 
     def __init__(self, model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> None:
@@ -98,6 +100,21 @@ class PointMultipliers:
         if not self._touching.size or not growing(self._disturbances.modes(~self._nowhere).values).size:
             return False
         return not self._growing_to_one_side().size
+
+    @cached_property
+    def nearly_touches(self) -> bool:
+        """See above; a law without a coefficient of friction has no such limits."""
+        stuck = self._moving[self._sticks] if self._moving.size else self._moving
+        if not stuck.size:
+            return False
+        springs = self._pairs.resting_stiffness().reshape(-1, 3)[stuck, :2]
+        change = (springs * np.ptp(self._motion[:, stuck, :2], axis=0)).max(axis=1)
+        force = self._cycle.force[:, stuck]
+        distance = self._pairs.friction_coefficient[stuck] * force[:, :, 2] - np.linalg.norm(force[:, :, :2], axis=2)
+        lowest = (distance <= np.roll(distance, 1, axis=0)) & (distance <= np.roll(distance, -1, axis=0))
+        touched = (self._steps.keep[:, stuck] != np.eye(2)).any(axis=(2, 3))
+        touched |= np.roll(touched, 1, axis=0) | np.roll(touched, -1, axis=0)
+        return bool((lowest & ~touched & (distance < BARELY * change)).any())
 
     def _of(self, steps: LinearSteps, touching: BoolArray) -> Disturbances:
         return Disturbances(self._model, steps, self._moving, self._sticks, touching, self._trial.omega)

@@ -33,10 +33,7 @@ class ChosenTouches(Protocol):
         """Number t of touches."""
 
     def modes(self, follow: BoolArray) -> DisturbanceModes:
-        """Eigenvalues and eigenvectors of the march whose sliders ``follow`` (t,)."""
-
-    def changes(self, states: FloatArray, follow: BoolArray) -> FloatArray:
-        """(t, c) changes of traction at the touches in disturbances ``states`` (size, c)."""
+        """Eigenvalues and changes of the march whose sliders ``follow`` (t,)."""
 
 
 def growing_to_one_side(touches: ChosenTouches, sense: FloatArray) -> ComplexArray:
@@ -57,7 +54,7 @@ def growing_to_one_side(touches: ChosenTouches, sense: FloatArray) -> ComplexArr
         leading = np.flatnonzero(is_to_one_side(modes.values) & (modes.values.real > LEADING))
         if not leading.size:
             continue
-        beyond = touches.changes(modes.vectors[:, leading].real, follow) * sense[:, None]
+        beyond = modes.changes[:, leading].real * sense[:, None]
         both = np.concatenate([beyond, -beyond], axis=1)
         fits = (both[follow] > -BEYOND).all(axis=0) & (both[~follow] < BEYOND).all(axis=0)
         values = np.tile(modes.values[leading], 2)

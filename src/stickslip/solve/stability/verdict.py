@@ -36,14 +36,14 @@ class Verdict:
     """The multipliers of a point and their errors (of each).
 
     ``in_doubt``: pairs that touch their limits or hardly slip leave it open whether a disturbance grows;
-    ``is_held_by_touches``: if these pairs slipped, one would (both from
+    ``is_held_by_limits``: if pairs that touch their limits, or nearly so, slipped, one may (both from
     :class:`stickslip.solve.stability.multipliers.PointMultipliers`).
     """
 
     values: ComplexArray
     errors: FloatArray
     in_doubt: bool = False
-    is_held_by_touches: bool = False
+    is_held_by_limits: bool = False
 
     @property
     def _real(self) -> BoolArray:
