@@ -228,7 +228,8 @@ def _stability(
     if undecided:
         sentence += (
             f" {undecided} have no sure verdict: they are too close to a change of stability, or a disturbance that "
-            "takes pairs away from the friction limit that they touch, or is larger than their slip, may grow."
+            "takes pairs away from the friction limit that they touch, to one that they nearly touch, or is larger "
+            "than their slip, may grow."
         )
     if unconfirmed:
         sentence += f" At {unconfirmed} more harmonics do not confirm the verdict."
