@@ -90,6 +90,15 @@ def test_a_wrinkle_without_any_change_is_in_doubt_and_not_what_surrounds_it() ->
     assert places([0] * 12, 4.5, 7.5) == [5, 6, 7]
 
 
+def test_a_change_explains_one_fold() -> None:
+    assert places([0] * 6 + [1] + [0] * 6, 6.2) == [7, 8, 9, 10, 11, 12]  # two changes beside one fold: none
+    assert places([0] * 5 + [1] * 6, 3.2, 5.4) == [4]  # the other one has it
+
+
+def test_a_change_without_a_fold_does_not_reach_beyond_a_wrinkle() -> None:
+    assert places([0] * 5 + [1] * 5 + [0] * 20, 4.5, 20.5, 24.5) == [21, 22, 23, 24]
+
+
 def test_a_fold_alone_leaves_its_shorter_side_in_doubt() -> None:
     assert places([0] * 12, 8.5) == [9, 10, 11]
     assert places([1] * 12, 8.5) == []  # an unstable point is unstable on both sides

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import stickslip as ss
+from periods import marched
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.stability.march import Period
@@ -48,7 +49,7 @@ def both(steps: LinearSteps) -> tuple[np.ndarray, np.ndarray, Neutral]:
     period = Period(model, steps, moving, OMEGA)
     scale = period.scale(model, OMEGA)
     neutral = neutral_disturbances(model, steps, moving, np.zeros(2, dtype=bool), OMEGA, scale)
-    march = period.march(np.diag(scale)) / scale[:, None]
+    march = marched(period, np.diag(scale)) / scale[:, None]
     return (
         np.linalg.eigvals(march),
         np.linalg.eigvals(neutral.after(march @ neutral.before(np.eye(scale.size)))),

@@ -29,9 +29,9 @@ from stickslip.solve.stability.folds import (
     Fold,
     beside_folds_without_change,
     doubtful_range,
+    fold_at,
     folds_of,
     sided_counts,
-    turns_at,
 )
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.more_harmonics import Correction, unconfirmed_points
@@ -66,8 +66,9 @@ class CurveStability:
         (n,) points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
         computed size. For real ones near 1 folds decide; such a point counts if they contradict its multipliers. Also
         points with multipliers inside of the circle that a disturbance away from a touched limit, or one that is larger
-        than the slip of pairs, may leave; points beside folds at which no multiplier passes 1; and points near these
-        and unstable ones whose pairs touch limits, or nearly so, and slip there.
+        than the slip of pairs, may leave; points beside folds at which no multiplier passes 1; and stable points
+        whose pairs touch their limits, or nearly so, if such a point or an unstable one is within BARELY of their
+        motion.
     unconfirmed:
         (n,) points at which the motion corrected with more harmonics has another verdict, multipliers that more
         harmonics still move as far as the circle, or is not known.
@@ -199,7 +200,7 @@ def _confirmed(
     for _ in range(MOST_CORRECTIONS):
         finer = {point: trial for point, each in motions.items() if (trial := correction(point, each)) is not None}
         # One model for both motions: with more harmonics more modes have inertia, and with them multipliers.
-        both = _verdicts(pairs, stuck, [*finer.values(), *(motions[point] for point in finer)], tested=len(finer))
+        both = _verdicts(pairs, stuck, [*finer.values(), *(motions[point] for point in finer)])
         motions = {}
         for point, verdict, before in zip(finer, both, both[len(finer) :], strict=False):
             if not verdict.confirms(*limits[point]):
@@ -218,11 +219,8 @@ def _harmonics(trial: Trial) -> int:
     return len(trial.relative) // 2
 
 
-def _verdicts(
-    pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial], tested: int | None = None
-) -> list[Verdict]:
-    """The verdict of each point; the points are shared among threads. Of the first ``tested`` points, or all, it tells
-    what disturbances do that take pairs away from their limits."""
+def _verdicts(pairs: ContactPairs, stuck: StuckStructure, trials: Sequence[Trial]) -> list[Verdict]:
+    """The verdict of each point; the points are shared among threads."""
     if not trials:
         return []
     moves = np.any([trial.contact.moves for trial in trials], axis=0)
@@ -232,15 +230,14 @@ def _verdicts(
 
     def judge(start: int, stop: int) -> None:
         for point in range(start, stop):
-            verdicts[point] = _verdict(model, pairs, trials[point], tested is None or point < tested)
+            verdicts[point] = _verdict(model, pairs, trials[point])
 
     in_shares(judge, len(trials), 1)
     return [verdicts[point] for point in range(len(trials))]
 
 
-def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial, is_tested: bool) -> Verdict:
-    """The multipliers of a point with as many samples as its verdict requires; ``is_tested`` for disturbances that take
-    pairs away from their limits."""
+def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> Verdict:
+    """The multipliers of a point with as many samples as its verdict requires."""
     stuck = stuck_multipliers(model, trial.omega)
     if not trial.contact.moves.any():
         return Verdict(stuck, np.full(stuck.size, ROUND_OFF))
@@ -255,11 +252,11 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial, is_tested
         point = PointMultipliers(model, pairs, trial, samples)
         verdict = Verdict(point.values, np.maximum(distances_to(point.values, verdict.values), ROUND_OFF))
     counts = verdict.counts()
-    if any(counts) or not is_tested:
-        grows_alone = counts.positive and not (counts.negative or counts.complex)
-        return replace(verdict, in_doubt=bool(grows_alone and is_tested and point.grows_in_doubt()))
-    growing, in_doubt = point.growing_while_stuck()
-    verdict = verdict.with_others(growing, _first_errors(growing, stuck))
+    if any(counts):
+        to_one_side_alone = counts.positive and not (counts.negative or counts.complex)
+        return replace(verdict, in_doubt=bool(to_one_side_alone and point.grows_in_doubt()))
+    others, in_doubt = point.growing_otherwise()
+    verdict = verdict.with_others(others, _first_errors(others, stuck))
     is_held = point.is_held_by_touches or point.nearly_touches
     return replace(verdict, in_doubt=in_doubt, is_held_by_limits=is_held)
 
@@ -292,9 +289,8 @@ def _bifurcation(
 ) -> Bifurcation:
     """The bifurcation between a point and the next one."""
     if kind == "fold":
-        turning = [fold for fold in folds if turns_at(fold, point)]
-        if turning:
-            fold = min(turning, key=lambda each: abs(each.position - point - 0.5))
+        fold = fold_at(point, folds)
+        if fold is not None:
             return Bifurcation("fold", fold.omega / (2.0 * np.pi), fold.position)
         kind = "branch point"
     sizes = [float(_crossing_size(verdict.values, kind)) - 1.0 for verdict in verdicts[point : point + 2]]

@@ -71,6 +71,13 @@ class Disturbances:
         (k,) those of these that touch their limits.
     omega:
         rad/s of the excitation.
+
+    Attributes
+    ----------
+    limits:
+        the t touches, whose pairs are places among ``pairs``.
+    pairs:
+        those of the ``moving`` pairs that deviate from their springs.
     """
 
     def __init__(
@@ -95,13 +102,14 @@ class Disturbances:
         base = self._with_touches(np.zeros(self.n_touches, dtype=bool))
         self._period = Period(model, base, moving, omega)
         self._scale = self._period.scale(model, omega)[:, None]
-        self._look_at_touches(model)
+        self._of_end, self._of_start, self._samples = self._displacements_at_touches()
         size = self._period.size
+        self._is_dense = size <= DENSE_SIZE
         # All states, or those of the structure, from which the iteration starts whatever the sliders do.
-        first = size if size <= DENSE_SIZE else 2 * model.frequency.size
-        end, change = self._marched(np.eye(size, first + self.n_touches), pushed=True)
-        self._first: tuple[FloatArray, FloatArray] = end[:, :first], change[:, :first]
-        self._pushed, self._change_of_pushes = end[:, first:], change[:, first:]
+        columns = size if self._is_dense else 2 * model.frequency.size
+        end, change = self._marched(np.eye(size, columns + self.n_touches), pushed=True)
+        self._base: tuple[FloatArray, FloatArray] = end[:, :columns], change[:, :columns]
+        self._pushed, self._change_of_pushes = end[:, columns:], change[:, columns:]
 
     @property
     def n_touches(self) -> int:
@@ -130,14 +138,14 @@ class Disturbances:
             )
 
         def march(states: FloatArray) -> tuple[FloatArray, FloatArray]:
-            return followed(*self._base(neutral.before(states)))
+            return followed(*self._if_all_stick(neutral.before(states)))
 
-        if self._has_all:
+        if self._is_dense:
             matrix, of_states = march(np.eye(self._period.size))
             values, vectors = np.linalg.eig(matrix)
             changes = of_states @ vectors
         else:
-            values, changes = _largest(march, followed(*self._first)[0])
+            values, changes = _largest(march, followed(*self._base)[0])
         order = np.argsort(-np.abs(values), kind="stable")
         return DisturbanceModes(values[order].astype(complex), changes[:, order].astype(complex))
 
@@ -146,46 +154,40 @@ class Disturbances:
         seen = self._change_of_pushes[np.ix_(follow, follow)]
         return np.asarray(np.linalg.solve(np.eye(len(seen)) - seen, change[follow]))
 
-    def _base(self, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _if_all_stick(self, states: FloatArray) -> tuple[FloatArray, FloatArray]:
         """States (size, c) after a period in which all touching pairs stick, and the changes (t, c) they would see."""
-        if self._has_all:
-            return self._first[0] @ states, self._first[1] @ states
+        if self._is_dense:
+            return self._base[0] @ states, self._base[1] @ states
         return self._marched(states, pushed=False)
-
-    @property
-    def _has_all(self) -> bool:
-        """Whether the march of each state is known."""
-        return bool(len(self._pushed) == self._first[0].shape[1])
 
     def _with_touches(self, follow: BoolArray) -> LinearSteps:
         return self.limits.changed(self._steps, self._springs, follow) if self.n_touches else self._steps
 
-    def _look_at_touches(self, model: StabilityModel) -> None:
-        """What of the changes at touches the displacements there cause."""
-        limits = self.limits
+    def _displacements_at_touches(self) -> tuple[FloatArray, FloatArray, IndexArray]:
+        """(t, p + r) twice, changes at touches by near coordinates and far patterns after and before each step, and the
+        samples (s,) at which these are required."""
+        model, limits = self._model, self.limits
         contact = np.hstack([model.near_contact, model.far_contact]).reshape(len(model.springs), 3, -1)
         here = contact[self._moving[limits.pair]]
-        self._samples = np.unique(np.concatenate([limits.step, np.maximum(limits.step - 1, 1)]))
-        self._of_end = np.einsum("ta,tas->ts", limits.by_end, here)
-        self._of_start = np.einsum("ta,tas->ts", limits.by_start, here)
+        samples = np.unique(np.concatenate([limits.step, np.maximum(limits.step - 1, 1)]))
+        return np.einsum("ta,tas->ts", limits.by_end, here), np.einsum("ta,tas->ts", limits.by_start, here), samples
 
     def _marched(self, states: FloatArray, pushed: bool) -> tuple[FloatArray, FloatArray]:
-        """As :meth:`_base` by a march; with a push of unit size at each touch in the last t columns if ``pushed``."""
+        """As :meth:`_if_all_stick` by a march; if ``pushed``, with a push of energy 1 at one touch each in the last t
+        columns."""
         assert self._period is not None
         limits, count = self.limits, self.n_touches if pushed else 0
         push = limits.unit[:, None] * limits.direction
         start = self._scale * states
         start[:, start.shape[1] - count :] = 0.0
-        end, seen = self._period.march_with_pushes(
-            start, self._samples, limits.step[:count], limits.pair[:count], push[:count]
-        )
+        end, seen = self._period.march(start, self._samples, limits.step[:count], limits.pair[:count], push[:count])
         p = self._model.frequency.size
-        first = np.vstack([start[:p], start[2 * p : 2 * p + seen.shape[1] - p]])
+        at_start = np.vstack([start[:p], start[2 * p : p + seen.shape[1]]])
         memory = start[len(start) - 2 * self._moving.size :].reshape(self._moving.size, 2, -1)
         change = np.empty((self.n_touches, states.shape[1]))
         for touch, step in enumerate(limits.step):
             place = int(np.searchsorted(self._samples, step))
-            before = first if step == 1 else seen[place - 1]
+            before = at_start if step == 1 else seen[place - 1]
             change[touch] = self._of_end[touch] @ seen[place] + self._of_start[touch] @ before
             change[touch] += limits.by_memory[touch] @ memory[limits.pair[touch]]
         # A push remains in the memory of its pair.

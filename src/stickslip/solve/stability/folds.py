@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -77,30 +78,36 @@ def beside_folds_without_change(positive: Sequence[int], stable: BoolArray, fold
 
     One of both sides must have another number, if the curve turns there. Where a stuck pair comes to a second limit no
     multiplier tells which: it jumps past 1 as soon as the pair slips, and the number changes some points later, or
-    never in the points of a wrinkle. So it is the side that ends at another such fold or at a change without a fold;
-    without one the shorter side.
+    never in the points of a wrinkle. So it is the side that ends at another such fold or at a change without a fold,
+    the shorter one if both or neither do.
     """
     last = len(positive) - 1
-    changes = [point for point in range(last) if positive[point] != positive[point + 1]]
+    changes = {fold.position: 0 for fold in folds}
+    free = []  # changes that belong to no fold
+    for point in range(last):
+        if positive[point] != positive[point + 1]:
+            fold = fold_at(point, folds)
+            if fold is None:
+                free.append(point + 0.5)
+            else:
+                changes[fold.position] += 1
+    turns = [position for position, count in changes.items() if count % 2 == 0]
+    ends, unexplained = sorted([-1.0, *changes, *free, last + 1.0]), {*turns, *free}
     answer = np.zeros(len(positive), dtype=bool)
-    turns = [fold.position for fold in folds if not any(turns_at(fold, point) for point in changes)]
-    free = [point for point in changes if not any(turns_at(fold, point) for fold in folds)]
-    ends = sorted([-1.0, float(last + 1), *(fold.position for fold in folds), *(point + 0.5 for point in free)])
-    unexplained = {*turns, *(point + 0.5 for point in free)}
     for turn in turns:
         place = ends.index(turn)
-        sides = [(ends[place - 1], turn), (turn, ends[place + 1])]
-        chosen = [
-            side for side, end in zip(sides, (ends[place - 1], ends[place + 1]), strict=True) if end in unexplained
-        ]
-        for start, stop in chosen or [min(sides, key=lambda side: side[1] - side[0])]:
-            answer[int(np.floor(start)) + 1 : int(np.ceil(stop))] = True
+        before, after = ends[place - 1], ends[place + 1]
+        sides = [(before, turn, before in unexplained), (turn, after, after in unexplained)]
+        chosen = [side for side in sides if side[2]] or sides
+        start, stop, _ = min(chosen, key=lambda side: side[1] - side[0])
+        answer[max(0, math.ceil(start)) : math.floor(stop) + 1] = True
     return np.asarray(answer & stable)
 
 
-def turns_at(fold: Fold, point: int) -> bool:
-    """Whether a change between a point and the next one is at a fold."""
-    return point - 1 <= fold.position <= point + 2
+def fold_at(point: int, folds: Sequence[Fold]) -> Fold | None:
+    """The nearest fold to which a change between a point and the next one belongs; None if there is none."""
+    near = [fold for fold in folds if point - 1 <= fold.position <= point + 2]
+    return min(near, key=lambda fold: abs(fold.position - point - 0.5), default=None)
 
 
 def doubtful_range(point: int, folds: Sequence[Fold]) -> float:

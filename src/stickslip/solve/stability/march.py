@@ -144,12 +144,7 @@ class Period:
             ]
         )
 
-    def march(self, states: FloatArray) -> FloatArray:
-        """States (size, c) one period later."""
-        none = np.zeros(0, dtype=np.int64)
-        return self.march_with_pushes(states, none, none, none, np.zeros((0, 2)))[0]
-
-    def march_with_pushes(
+    def march(
         self, states: FloatArray, samples: IndexArray, step: IndexArray, pair: IndexArray, push: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """States (size, c) one period later, and (s, p + r, c) the near coordinates and far patterns at ``samples``

@@ -16,7 +16,7 @@ from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.stability.contact_steps import linear_steps
 from stickslip.solve.stability.disturbances import ComplexArray, Disturbances, stuck_multipliers
 from stickslip.solve.stability.model import StabilityModel
-from stickslip.solve.stability.one_sided import GROWS, growing, growing_to_one_side, is_to_one_side
+from stickslip.solve.stability.one_sided import GROWS, growing_to_one_side, grows_to_one_side, is_to_one_side
 
 # A pair that slips by less than this fraction of its motion sticks under a disturbance of 1 %, and its slip is often
 # within what the harmonics neglect: at 3e-5 time integration leaves a motion with multipliers inside of the circle by
@@ -59,30 +59,30 @@ class PointMultipliers:
         touching = self._sticks & (self._steps.keep[:, self._moving] != np.eye(2)).any(axis=(0, 2, 3))
         self._touching = self._moving[touching]
         self._disturbances = self._of(self._steps, touching)
-        self.values = self._disturbances.modes(~self._nowhere).values
+        self.values = self._if_all_follow
         to_one_side = is_to_one_side(self.values)
         if self._touching.size and (np.abs(self.values[~to_one_side]) > 1.0).any():
-            sticking = self._disturbances.modes(self._nowhere).values
+            sticking = self._if_none_follows
             self.is_held_by_touches = True
             self.values = _sorted(np.concatenate([self.values[to_one_side], sticking[~is_to_one_side(sticking)]]))
 
-    def growing_while_stuck(self) -> tuple[ComplexArray, bool]:
-        """Multipliers outside of the circle, beyond round-off, of a structure in which touching pairs stick, and
-        whether the verdict is in doubt.
+    def growing_otherwise(self) -> tuple[ComplexArray, bool]:
+        """Multipliers outside of the circle, beyond round-off, that ``values`` do not have, and whether the verdict is
+        in doubt.
 
-        A disturbance that takes these pairs away from their limits meets such a structure, of which ``values``, whose
-        sliders follow, say nothing. If with one sign a real one exceeds exactly the limits at which sliders follow it,
-        or none, it grows. If it grows where all stick, but exceeds others, a limit may hold it. One that changes its
-        sign or rotates grows; that of sliders that follow does not, so the verdict depends on the size of the
-        disturbance. One that is larger than the slip of pairs meets a structure in which these stick too.
+        ``values`` are those of sliders that follow at all touches. A real multiplier of another choice of touches grows
+        if its disturbance, with one sign, exceeds exactly the limits at which sliders follow it. If one grows where all
+        stick, but exceeds limits, these may hold it. One that changes its sign or rotates grows if sliders stick; that
+        of sliders that follow does not, so the verdict depends on the size of the disturbance. One that is larger than
+        the slip of pairs meets a structure in which these stick too.
         """
         certain, in_doubt = np.zeros(0, dtype=complex), False
         if not self._moving.size:
             return certain, in_doubt
         if self._touching.size:
-            sticking = self._disturbances.modes(self._nowhere).values
+            sticking = self._if_none_follows
             certain = self._growing_to_one_side()
-            in_doubt = bool(growing(sticking).size) and not certain.size
+            in_doubt = grows_to_one_side(sticking) and not certain.size
             others = sticking[~is_to_one_side(sticking)]
             others = others[np.abs(others) > 1.0 + GROWS]
             certain, in_doubt = np.concatenate([certain, others]), in_doubt or others.size > 0
@@ -90,23 +90,22 @@ class PointMultipliers:
             barely = self._barely_slipping()
             if barely.any():
                 barely[self._touching] = True
-                values = self._if_they_stick(barely)
-                in_doubt = bool((np.abs(values) > 1.0 + GROWS).any())
+                in_doubt = bool((np.abs(self._if_they_stick(barely)) > 1.0 + GROWS).any())
         return certain, in_doubt
 
     def grows_in_doubt(self) -> bool:
         """Whether multipliers of sliders that follow grow beyond round-off, but no disturbance with one sign exceeds
         exactly the limits at which they follow it."""
-        if not self._touching.size or not growing(self._disturbances.modes(~self._nowhere).values).size:
+        if not self._touching.size or not grows_to_one_side(self._if_all_follow):
             return False
         return not self._growing_to_one_side().size
 
     @cached_property
     def nearly_touches(self) -> bool:
-        """See above; a law without a coefficient of friction has no such limits."""
-        stuck = self._moving[self._sticks] if self._moving.size else self._moving
-        if not stuck.size:
+        """See above; where no pair moves it is not asked, nor of laws that have no coefficient of friction."""
+        if not self._moving.size:
             return False
+        stuck = np.flatnonzero(self._trial.contact.state == ContactState.STUCK)
         springs = self._pairs.resting_stiffness().reshape(-1, 3)[stuck, :2]
         change = (springs * np.ptp(self._motion[:, stuck, :2], axis=0)).max(axis=1)
         force = self._cycle.force[:, stuck]
@@ -116,13 +115,18 @@ class PointMultipliers:
         touched |= np.roll(touched, 1, axis=0) | np.roll(touched, -1, axis=0)
         return bool((lowest & ~touched & (distance < BARELY * change)).any())
 
-    def _of(self, steps: LinearSteps, touching: BoolArray) -> Disturbances:
-        return Disturbances(self._model, steps, self._moving, self._sticks, touching, self._trial.omega)
+    @property
+    def _if_all_follow(self) -> ComplexArray:
+        """The multipliers if sliders of touching pairs follow at all touches."""
+        return self._disturbances.modes(np.ones(self._disturbances.n_touches, dtype=bool)).values
 
     @property
-    def _nowhere(self) -> BoolArray:
-        """(t,) the choice of touches at which sliders follow: none."""
-        return np.zeros(self._disturbances.n_touches, dtype=bool)
+    def _if_none_follows(self) -> ComplexArray:
+        """The multipliers if touching pairs stick."""
+        return self._disturbances.modes(np.zeros(self._disturbances.n_touches, dtype=bool)).values
+
+    def _of(self, steps: LinearSteps, touching: BoolArray) -> Disturbances:
+        return Disturbances(self._model, steps, self._moving, self._sticks, touching, self._trial.omega)
 
     @cached_property
     def _cycle(self) -> ContactCycle:

@@ -11,18 +11,18 @@ from typing import Protocol
 
 import numpy as np
 
-from stickslip.contact.law.law import BoolArray, IndexArray
+from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
-from stickslip.solve.stability.disturbances import ComplexArray, DisturbanceModes, is_real
+from stickslip.solve.stability.disturbances import RITZ_TOLERANCE, ComplexArray, DisturbanceModes, is_real
 
 # chosen: a smaller growth in a period is within the error of the samples.
 GROWS = 1e-3
 # A change of traction at a touch, over the root of the spring, that is smaller than this fraction of the root of the
-# energy of a disturbance is round-off.
-BEYOND = 1e-6
-# Choices of touches at which sliders follow. LEADING multipliers lead to others: on three rattling dampers of the
-# torture set these find 25 of the 27 points at which some choice grows, but neither all touches nor none, among 979
-# points with touches; with 0.9 26, for three times as many choices of the benchmark blades.
+# energy of a disturbance is within the error of the iteration for large joints.
+BEYOND = RITZ_TOLERANCE
+# Choices of touches that the search tries, and the multipliers that lead to others. With these numbers it finds 25 of
+# the 27 points of three rattling dampers of the torture set at which some choice grows, but neither all touches nor
+# none do, among 979 points with touches; with 0.9 26, for three times as many choices of the benchmark blades.
 MOST_CHOICES, LEADING = 8, 0.98
 
 
@@ -53,22 +53,19 @@ def growing_to_one_side(touches: ChosenTouches, sense: FloatArray) -> ComplexArr
         tried.add(follow.tobytes())
         modes = touches.modes(follow)
         leading = np.flatnonzero(is_to_one_side(modes.values) & (modes.values.real > LEADING))
-        if not leading.size:
-            continue
         beyond = modes.changes[:, leading].real * sense[:, None]
         both = np.concatenate([beyond, -beyond], axis=1)
         fits = (both[follow] > -BEYOND).all(axis=0) & (both[~follow] < BEYOND).all(axis=0)
-        values = np.tile(modes.values[leading], 2)
-        growing = fits & (values.real > 1.0 + GROWS)
-        if growing.any():
-            return np.asarray(values[growing])
+        values = modes.values[leading[fits.reshape(2, -1).any(axis=0)]]
+        if grows_to_one_side(values):
+            return np.asarray(values[values.real > 1.0 + GROWS])
         waiting += [exceeded > BEYOND for exceeded in both.T]
     return np.zeros(0, dtype=complex)
 
 
-def growing(values: ComplexArray) -> IndexArray:
-    """The places of multipliers of disturbances that grow to one side."""
-    return np.flatnonzero(is_to_one_side(values) & (values.real > 1.0 + GROWS))
+def grows_to_one_side(values: ComplexArray) -> bool:
+    """Whether a disturbance with one of these multipliers grows and remains on one side."""
+    return bool((is_to_one_side(values) & (values.real > 1.0 + GROWS)).any())
 
 
 def is_to_one_side(values: ComplexArray) -> BoolArray:

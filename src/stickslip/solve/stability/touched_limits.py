@@ -27,7 +27,7 @@ CHANGES = 1e-4
 
 @dataclass(frozen=True)
 class TouchedLimits:
-    """The touches of t steps, in their order in the period, each in one direction.
+    """t directions at touches, in the order of their steps; a touch of two independent sliders has two.
 
     Attributes
     ----------
@@ -63,31 +63,37 @@ class TouchedLimits:
         at = step % len(steps.keep)
         own = np.zeros((step.size, 2, 3))
         own[:, (0, 1), (0, 1)] = springs[pair, :2]
-        keep, unit = steps.keep[at, pair], np.sqrt(np.maximum(springs[pair, :2].max(axis=1), np.finfo(float).tiny))
+        keep = steps.keep[at, pair]
+        stiffest = np.maximum(springs[pair, :2].max(axis=1), np.finfo(float).tiny)
         change = [keep - one, steps.by_end[at, pair] - own, steps.by_start[at, pair] + keep @ own]
-        whole = np.concatenate([change[0], *(each / unit[:, None, None] ** 2 for each in change[1:])], axis=2)
+        whole = np.concatenate([change[0], *(each / stiffest[:, None, None] for each in change[1:])], axis=2)
         directions, sizes, _ = np.linalg.svd(whole, full_matrices=False)
         touch, which = np.nonzero(sizes > CHANGES)
         direction = directions[touch, :, which]
         return cls(
-            step[touch], pair[touch], direction, unit[touch],
+            step[touch], pair[touch], direction, np.sqrt(stiffest[touch]),
             *(np.einsum("ta,tab->tb", direction, each[touch]) for each in change),
         )  # fmt: skip
 
     def sense(self, traction: FloatArray) -> FloatArray:
-        """(t,) the sign of the change by a slider that follows, 0 if it has none, from the ``traction`` (n, k, 2) N of
-        the motion."""
+        """(t,) the sign of the change by a slider that follows, 0 if it is across the traction, from the ``traction``
+        (n, k, 2) N of the motion."""
         here = traction[self.step % len(traction), self.pair]
-        return np.asarray(-np.sign(np.einsum("ta,ta->t", here, self.direction)))
+        along = np.einsum("ta,ta->t", here, self.direction)
+        return np.where(np.abs(along) > CHANGES * np.linalg.norm(here, axis=1), -np.sign(along), 0.0)
 
     def changed(self, steps: LinearSteps, springs: FloatArray, follow: BoolArray) -> LinearSteps:
-        """The ``steps`` with pairs that stick but where their sliders ``follow`` (t,)."""
+        """The ``steps`` in which touching pairs stick, except at the touches where their sliders ``follow`` (t,)."""
         keep, by_end, by_start = steps.keep.copy(), steps.by_end.copy(), steps.by_start.copy()
         pairs = np.unique(self.pair)
         keep[:, pairs], by_end[:, pairs], by_start[:, pairs] = np.eye(2), 0.0, 0.0
         for axis in range(2):
             by_end[:, pairs, axis, axis], by_start[:, pairs, axis, axis] = springs[pairs, axis], -springs[pairs, axis]
-        at, pair = self.step[follow] % len(keep), self.pair[follow]
-        keep[at, pair], by_end[at, pair] = steps.keep[at, pair], steps.by_end[at, pair]
-        by_start[at, pair] = steps.by_start[at, pair]
+        at, direction = (self.step[follow] % len(keep), self.pair[follow]), self.direction[follow, :, None]
+        memory = self.by_memory[follow, None]
+        # The memory of a step is the traction, which contains the resting springs.
+        start = self.by_start[follow, None].copy()
+        start[:, :, :2] -= memory * springs[self.pair[follow], None, :2]
+        for whole, change in ((keep, memory), (by_end, self.by_end[follow, None]), (by_start, start)):
+            np.add.at(whole, at, direction * change)
         return LinearSteps(keep, by_end, by_start, steps.normal)

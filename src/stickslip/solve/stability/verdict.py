@@ -58,10 +58,10 @@ class Verdict:
     def undecided(self) -> bool:
         """Whether a multiplier is closer to the unit circle than its error, and no other one decides, or a disturbance
         to one side may grow; folds decide about a real one near 1."""
-        if self.is_surely_unstable:
-            return False
         if self.in_doubt:
             return True
+        if self.is_surely_unstable:
+            return False
         beside_fold = self._real & (self.values.real > 0.0)
         unsure = np.abs(np.abs(self.values) - 1.0) <= self.errors
         return bool((unsure & ~beside_fold).any())
