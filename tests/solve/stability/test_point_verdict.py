@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -74,3 +76,9 @@ def test_a_complex_pair_beside_1_may_be_a_real_multiplier_on_each_side_of_it() -
         folds,
     )
     assert sided == [0, 1, 1, 1, 1, 0]
+
+
+@pytest.mark.parametrize("size", [1.2, 1.8])
+def test_a_growth_that_no_disturbance_fits_is_in_doubt_whatever_its_size(size: float) -> None:
+    assert not replace(verdict(size), in_doubt=False).undecided
+    assert replace(verdict(size), in_doubt=True).undecided
