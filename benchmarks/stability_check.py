@@ -166,12 +166,14 @@ def motion_from(problem: Problem, response: ss.ForcedResponse, point: int, distu
     )  # fmt: skip
 
 
-def has_left(changes: FloatArray) -> bool:
-    """Whether a motion leaves, by its changes from period to period; entry 0 compares with rest."""
+def has_left(changes: FloatArray, walks: bool = False) -> bool:
+    """Whether a motion leaves, by its changes from period to period; entry 0 compares with rest. A body that ``walks``
+    changes its place in each period by as much as in the first ones."""
     parts = [changes[1:3], *(part for part in np.array_split(changes[3:], PARTS) if part.size)]
     largest = np.maximum([part.max() for part in parts], SMALLEST_CHANGE)
     rises = largest / np.minimum.accumulate(largest)
-    return bool(rises[-1] > REMAINS or rises.max() > GREW or parts[-1].min() > NEAR)
+    repeats = NEAR + (parts[0].max() if walks else 0.0)
+    return bool(rises[-1] > REMAINS or rises.max() > GREW or parts[-1].min() > repeats)
 
 
 def distances_after(problem: Problem, response: ss.ForcedResponse, point: int) -> tuple[float, float, bool]:
@@ -190,7 +192,8 @@ def distances_after(problem: Problem, response: ss.ForcedResponse, point: int) -
         return float(np.linalg.norm(swing @ motion))
 
     away = max(size(quiet - expected), size(disturbed - expected))
-    return size(disturbed - quiet) / size(expected), away / size(expected), has_left(motions[0].period_change)
+    leaves = has_left(motions[0].period_change, walks=response.walk is not None)
+    return size(disturbed - quiet) / size(expected), away / size(expected), leaves
 
 
 def check(problem: Problem, points: Sequence[int] | None = None) -> Iterator[Checked]:

@@ -101,6 +101,9 @@ def test_a_motion_that_leaves_slowly_is_not_taken_for_one_that_stays(monkeypatch
     assert stability_check.has_left(np.append(settling, leaving[1:60]))  # an error of the start that decays before
     quick = np.append(1.0, np.append(1e-4 * 2.0 ** np.arange(8), 1e-2 * 0.5 ** np.arange(72)))
     assert stability_check.has_left(quick)  # within a tenth of the time
+    walking = np.full(100, 0.03)
+    assert stability_check.has_left(walking)  # never repeats
+    assert not stability_check.has_left(walking, walks=True)
     assert not stability_check.has_left(settling)
     assert not stability_check.has_left(np.append(leaving[:40], settling[40:]))  # 5 times as large for a while
     assert not stability_check.has_left(np.array([1.0, 1e-8, 1e-9, 5e-8]))
