@@ -30,7 +30,7 @@ class OneDirection:
 
 def test_a_choice_between_none_and_all_may_grow_alone() -> None:
     """With one sign the disturbance exceeds the second limit alone, and grows if the slider follows there."""
-    touches = OneDirection({NONE: 0.99, FIRST: 0.96, SECOND: 1.04, BOTH: 0.95})
+    touches = OneDirection({NONE: 0.995, FIRST: 0.96, SECOND: 1.04, BOTH: 0.95})
     assert growing_to_one_side(touches, OPPOSITE).tolist() == [1.04]
 
 
