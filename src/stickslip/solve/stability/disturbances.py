@@ -91,10 +91,9 @@ class Disturbances:
     ) -> None:
         self._steps, left = _states_of(steps, moving, touching, model.springs)
         moving, sticks, touching = moving[left], sticks[left], touching[left]
-        self._model, self._moving, self._sticks, self._omega = model, moving, sticks, omega
+        self._model, self.pairs, self._sticks, self._omega = model, moving, sticks, omega
         self._springs = model.springs[moving]
         self.limits = TouchedLimits.of(self._steps, np.flatnonzero(touching), self._springs)
-        self.pairs = moving
         self._known: dict[bytes, DisturbanceModes] = {}
         self._period: Period | None = None
         if not moving.size:
@@ -128,7 +127,7 @@ class Disturbances:
             values = stuck_multipliers(self._model, self._omega)
             return DisturbanceModes(values, np.zeros((0, values.size), dtype=complex))
         neutral = neutral_disturbances(
-            self._model, self._with_touches(follow), self._moving, self._sticks, self._omega, self._scale[:, 0]
+            self._model, self._with_touches(follow), self.pairs, self._sticks, self._omega, self._scale[:, 0]
         )
 
         def followed(end: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -168,7 +167,7 @@ class Disturbances:
         samples (s,) at which these are required."""
         model, limits = self._model, self.limits
         contact = np.hstack([model.near_contact, model.far_contact]).reshape(len(model.springs), 3, -1)
-        here = contact[self._moving[limits.pair]]
+        here = contact[self.pairs[limits.pair]]
         samples = np.unique(np.concatenate([limits.step, np.maximum(limits.step - 1, 1)]))
         return np.einsum("ta,tas->ts", limits.by_end, here), np.einsum("ta,tas->ts", limits.by_start, here), samples
 
@@ -183,7 +182,7 @@ class Disturbances:
         end, seen = self._period.march(start, self._samples, limits.step[:count], limits.pair[:count], push[:count])
         p = self._model.frequency.size
         at_start = np.vstack([start[:p], start[2 * p : p + seen.shape[1]]])
-        memory = start[len(start) - 2 * self._moving.size :].reshape(self._moving.size, 2, -1)
+        memory = start[len(start) - 2 * self.pairs.size :].reshape(self.pairs.size, 2, -1)
         change = np.empty((self.n_touches, states.shape[1]))
         for touch, step in enumerate(limits.step):
             place = int(np.searchsorted(self._samples, step))

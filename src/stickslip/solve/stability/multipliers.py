@@ -100,7 +100,7 @@ class PointMultipliers:
             return False
         return not self._growing_to_one_side().size
 
-    @cached_property
+    @property
     def nearly_touches(self) -> bool:
         """See above; where no pair moves it is not asked, nor of laws that have no coefficient of friction."""
         if not self._moving.size:
